@@ -103,7 +103,6 @@ EXPERIMENTS = [
         keep_the_contract,
         variants=[{"backend": backend, "robots": robots} for backend, robots in HONEST.items()],
         cases=150,
-        sample=3,
         rows=[NO_CHECK_FAILS, *each("backend", HONEST, lambda _: NO_CHECK_FAILS)],
     ),
     Experiment(
@@ -111,7 +110,6 @@ EXPERIMENTS = [
         look,
         variants=[{"scene": scene} for scene in SCENES],
         cases=350,
-        sample=4,
         rows=[*geometry(), *(row for claim in geometry() for row in each("scene", SCENES, lambda _, row=claim: row))],
     ),
 ]

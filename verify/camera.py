@@ -47,7 +47,6 @@ EXPERIMENTS = [
         in_generated,
         {"run": look},
         cases=300,
-        sample=10,
         rows=rows(),
     ),
     Experiment(
@@ -55,7 +54,6 @@ EXPERIMENTS = [
         look,
         variants=[{"scene": scene} for scene in SCENES],
         cases=700,
-        sample=14,
         rows=[*rows(), *(row for claim in rows() for row in each("scene", SCENES, lambda _, row=claim: row))],
     ),
 ]

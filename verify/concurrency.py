@@ -29,7 +29,6 @@ EXPERIMENTS = [
         transcripts,
         {"version": version},
         rows=[all_of("every program's transcript is equal to the tick", lambda case: case["equal"])],
-        sample=0,  # ./dev test has just run them
         alone=True,
     )
     for version in VERSIONS

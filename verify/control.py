@@ -46,7 +46,6 @@ EXPERIMENTS = [
         "courses",
         drive_courses,
         cases=100,
-        sample=10,
         rows=[
             *(
                 share_within(
@@ -65,7 +64,7 @@ EXPERIMENTS = [
             *each(
                 "course",
                 [NARROW],
-                lambda _: within(known_miss(comes_to_the_end(), 0.45, ALONE), all_drives),
+                lambda _: within(known_miss(comes_to_the_end(), 100 / 200, ALONE), all_drives),
             ),
         ],
     )

@@ -27,7 +27,6 @@ EXPERIMENTS = [
             targets,
             {"program": program},
             cases=100,
-            sample=2,
             rows=[
                 all_of("same bits on every target", several_targets),
                 was_run("AVX3", "AVX-512"),
@@ -43,7 +42,6 @@ EXPERIMENTS = [
             processors,
             {"program": program},
             cases=20,
-            sample=0,
             rows=[all_of("same bits as on this processor", lambda case: case["equal"])],
         )
         for program, name in RUNS.items()

@@ -220,7 +220,6 @@ EXPERIMENTS = [
             run,
             variants=[{"task": task} for task in TASKS.values()],
             cases=cases * len(TASKS),
-            sample=len(TASKS),
             rows=[equal, *each("task", TASKS.values(), lambda _, row=equal: row)],
         )
         for name, run, cases, equal in [
@@ -244,11 +243,10 @@ EXPERIMENTS = [
         "a policy through Robot.execute_action",
         run_policy,
         cases=140,
-        sample=7,
         rows=[
             known_miss(
                 all_of("with the truth its way in the native form, to the bit", lambda case: case["equal"]),
-                0.99,
+                139 / 140,
                 "one of 140 robots slows for what seems to approach; where nothing moves, environments do not look",
             ),
             mean_of(
@@ -271,7 +269,6 @@ EXPERIMENTS = [
             soak,
             {"gate": gate, "assertions": assertions},
             cases=cases,
-            sample=int(not assertions),
             limit=3600.0,
             rows=[
                 all_of("a million steps, to the end", lambda case: case["steps"] >= 1_000_000),

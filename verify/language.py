@@ -1,7 +1,6 @@
 """Commands in English: drawn plans come back from their sentences, handwritten ones are read as they were meant."""
 
 import subprocess
-from dataclasses import replace
 
 from verify.cases.end_to_end_hash import instruct_in_false_truth, processors, targets
 from verify.cases.finding import SCENES, find
@@ -75,26 +74,24 @@ def among() -> Row:
     return info("targets", lambda cases: ", ".join(sorted(set.intersection(*(set(c["targets"]) for c in cases)))))
 
 
-def found(at_least: float, known: float | None) -> Row:
+def found(at_least: float) -> Row:
     """The share of searches that end in success."""
-    row = share_of("found, by the rule of 3we/ObjectNav-v1", lambda case: case["found"], at_least=at_least)
-    return known_miss(row, known, MIXED)
+    return share_of("found, by the rule of 3we/ObjectNav-v1", lambda case: case["found"], at_least=at_least)
 
 
-def wrong(known: float | None) -> Row:
+def wrong() -> Row:
     """The share of searches that end with a claim that is verified, and wrong."""
-    row = counted_of("claimed, verified and wrong", lambda case: case["claimed_wrong"], lambda _: 1.0, at_most=0.03)
-    return known_miss(row, known, MIXED)
+    return counted_of("claimed, verified and wrong", lambda case: case["claimed_wrong"], lambda _: 1.0, at_most=0.03)
 
 
 def enough(name: str, of: str, count: int) -> Row:
-    """What all cases of a full run count is so much at least."""
+    """What all cases count is so much at least."""
 
     def judge(cases: list[Case]) -> tuple[str, str, bool]:
         counted = sum(case[of] for case in cases)
         return f"{counted:,}", f">= {count:,}", counted >= count
 
-    return replace(whole_of(name, judge), full_only=True)
+    return whole_of(name, judge)
 
 
 EXPERIMENTS = [
@@ -102,7 +99,6 @@ EXPERIMENTS = [
         "commands, drawn from the lexicon",
         read_drawn,
         cases=40,
-        sample=6,
         rows=[
             share("right", "drawn commands read as the right plan", at_least=0.995),
             share("wrong_plan", "a wrong plan instead of a question", at_most=0.02),
@@ -113,7 +109,6 @@ EXPERIMENTS = [
         read_handwritten,
         variants=[{"part": part} for part in range(PARTS)],
         cases=PARTS,
-        sample=PARTS,
         rows=[
             share("right", "handwritten commands read as the right plan", at_least=0.95),
             share("wrong_plan", "a wrong plan instead of a question", at_most=0.02),
@@ -125,7 +120,6 @@ EXPERIMENTS = [
             see,
             variants=[{"scene": f"{scene}{suffix}"} for scene in SCENES],
             cases=50 * len(SCENES),
-            sample=2 * len(SCENES),
             rows=[
                 known_miss(share_counted("right", "named", "kinds that are named are right", 0.9), precision, SHAPES),
                 known_miss(share_counted("found", "things", "things are found, by their kind", 0.4), recall, FIRST),
@@ -133,8 +127,8 @@ EXPERIMENTS = [
             ],
         )
         for shapes, suffix, precision, recall, color in [
-            ("", "", None, 0.33, 0.91),
-            (", held-out shapes", SUFFIX, 0.71, 0.18, 0.92),
+            ("", "", None, 2696 / 8068, 2502 / 2696),
+            (", held-out shapes", SUFFIX, 1526 / 2166, 1525 / 7937, 1439 / 1525),
         ]
     ),
     Experiment(
@@ -142,7 +136,6 @@ EXPERIMENTS = [
         targets,
         {"program": "verify_detector"},
         cases=20,
-        sample=2,
         rows=[all_of("the same bits", lambda case: case["equal"] and len(case["targets"]) >= 2), among()],
     ),
     Experiment(
@@ -150,14 +143,12 @@ EXPERIMENTS = [
         processors,
         {"program": "verify_detector"},
         cases=5,
-        sample=0,
         rows=[all_of("the same bits as on this processor", lambda case: case["equal"])],
     ),
     Experiment(
         "one look of the detector, on one core",
         time_a_look,
         cases=5,
-        sample=3,
         rows=[time_of("a look [ms of CPU time]", lambda case: case["milliseconds"], at_most=10.0)],
         alone=True,
     ),
@@ -167,7 +158,6 @@ EXPERIMENTS = [
             map_things,
             variants=[{"scene": scene} for scene in scenes],
             cases=40,
-            sample=2,
             rows=[
                 known_miss(
                     share_counted("right", "entries", "entries are of a thing of that kind", 0.9), precision, FIRST
@@ -177,7 +167,7 @@ EXPERIMENTS = [
         )
         for where, scenes, precision, recall in [
             ("generated buildings", [GENERATED], None, None),
-            ("scenes that the detector has not seen", SCENES, 0.88, 0.65),
+            ("scenes that the detector has not seen", SCENES, 2392 / 2691, 2008 / 3067),
         ]
     ),
     *(
@@ -187,16 +177,15 @@ EXPERIMENTS = [
             {"colored": colored},
             variants=[{"scene": scene} for scene in SCENES],
             cases=100 * len(SCENES),
-            sample=2 * len(SCENES),
             rows=[
-                found(0.7, mean),
-                *each("scene", SCENES, lambda scene, least=least: found(0.6, least.get(scene))),
-                wrong(claimed),
+                found(0.7),
+                *each("scene", SCENES, lambda scene, known=known: known_miss(found(0.6), known.get(scene), MIXED)),
+                known_miss(wrong(), known.get("wrong"), MIXED),
             ],
         )
-        for what, colored, mean, least, claimed in [
-            ("KIND", False, None, {}, None),
-            ("COLOR KIND", True, 0.69, {"warehouse_v1": 0.57}, 0.09),
+        for what, colored, known in [
+            ("KIND", False, {}),
+            ("COLOR KIND", True, {"warehouse_v1": 57 / 100, "wrong": 33 / 400}),
         ]
     ),
     Experiment(
@@ -204,7 +193,6 @@ EXPERIMENTS = [
         follow,
         variants=[{"place": place} for place in WITH_ROUTES],
         cases=50 * len(WITH_ROUTES),
-        sample=len(WITH_ROUTES),
         rows=[share_of("ended within 1 m of the path's end", lambda case: case["success"], at_least=0.6)],
     ),
     Experiment(
@@ -212,7 +200,6 @@ EXPERIMENTS = [
         follow,
         variants=[{"place": place, "shuffled": True} for place in WITH_ROUTES],
         cases=50 * len(WITH_ROUTES),
-        sample=len(WITH_ROUTES),
         rows=[
             counted_of(
                 "ended there by a text that is not of the episode",
@@ -227,14 +214,12 @@ EXPERIMENTS = [
         go_to,
         variants=[{"place": place} for place in WITH_ROOMS],
         cases=50 * len(WITH_ROOMS),
-        sample=len(WITH_ROOMS),
         rows=[share_of("stood in the place", lambda case: case["success"], at_least=0.97)],
     ),
     Experiment(
         "instructions where the truth is moved by 100 m, and what is named goes by other names",
         instruct_in_false_truth,
         cases=100,
-        sample=4,
         rows=[
             all_of("the same commands, to the bit", lambda case: case["equal"]),
             all_of("an agent that peeks at things is found out", lambda case: case["found_out"]),
@@ -244,7 +229,6 @@ EXPERIMENTS = [
         "offline instructions in office_v2, detector and autonomy on, on one core",
         time_instructions,
         cases=5,
-        sample=3,
         rows=[
             time_of("robot seconds a CPU second", lambda case: case["times"], at_least=20.0),
             worst_of("really driven meanwhile [m]", lambda case: case["metres"], at_least=10.0),
@@ -256,14 +240,12 @@ EXPERIMENTS = [
         drive_as_ours,
         variants=[{"dialect": dialect} for dialect in DIALECTS],
         cases=20 * len(DIALECTS),
-        sample=1,
         rows=[all_of("in every dialect the offline run, to the bit", lambda case: case["same"])],
     ),
     Experiment(
         "hostile answers of a model",
         answer_hostile,
         cases=600,
-        sample=1,
         rows=[
             share_counted("one_reason", "instructions", "each ends with one reason within its budget", 1.0),
             worst_of("commands, as a share of the operating limits", lambda case: case["fastest"], at_most=1.0 + 1e-9),
@@ -277,14 +259,12 @@ EXPERIMENTS = [
         "faults of a model's server",
         fail_server,
         cases=250,
-        sample=1,
         rows=[share_counted("right", "faults", "the next try works, or `model_error` says what", 1.0)],
     ),
     Experiment(
         "conversations with a model, replayed without a server",
         replay_talk,
         cases=100,
-        sample=1,
         rows=[all_of("the same bits", lambda case: case["same"])],
     ),
 ]

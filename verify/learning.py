@@ -129,7 +129,6 @@ EXPERIMENTS = [
     Experiment(
         "PPO learns something in 160,000 steps",
         learn_a_little,
-        sample=1,
         rows=[
             worst_of(
                 "arrives so many times as often", lambda case: case["last"] / max(case["first"], 1.0), at_least=1.3
@@ -142,7 +141,6 @@ EXPERIMENTS = [
             f"PPO, seed {seed}, reactive_v1",
             learn,
             {"seed": seed},
-            sample=0,
             rows=[
                 worst_of("mean success in the six static scenes", lambda case: mean(still(case)), at_least=0.95),
                 worst_of("success in the worst of them", lambda case: min(still(case)), at_least=0.90),

@@ -26,7 +26,7 @@ def failing_disk(_seed: int) -> Case:
 
 
 def failing_allocations(_seed: int, part: int) -> Case:
-    """Each allocation of the recorder fails once: by turns, so that a part of them is a sample of all."""
+    """Each allocation of the recorder fails once: by turns, so that few cases try some of all."""
     return trials("allocations", part, PARTS)
 
 
@@ -46,14 +46,12 @@ EXPERIMENTS = [
         f"{KILLS} kills of the C++ recorder a case",
         kills,
         cases=100,
-        sample=2,
         rows=[all_of("no finished episode lost, at most a second of the current", nothing_wrong)],
     ),
     Experiment(
         "kills of the Python recorder with video and depth",
         killed,
         cases=300,
-        sample=4,
         rows=[
             all_of("no finished episode lost", lambda case: case["finished_lost"] <= 0),
             worst_of("ticks of the current lost", lambda case: case["ticks_lost"], at_most=50),
@@ -63,14 +61,12 @@ EXPERIMENTS = [
         f"power cuts after every call, {DISKS} disks each",
         power_cuts,
         cases=20,
-        sample=1,
         rows=[all_of("recovered, and all that was promised there", nothing_wrong)],
     ),
     Experiment(
         "each call of the disk fails once",
         failing_disk,
         cases=1,
-        sample=1,
         rows=[all_of("a clear error, finished episodes readable", nothing_wrong)],
     ),
     Experiment(
@@ -78,14 +74,12 @@ EXPERIMENTS = [
         failing_allocations,
         variants=[{"part": part} for part in range(PARTS)],
         cases=PARTS,
-        sample=1,
         rows=[all_of("an error, finished episodes readable", nothing_wrong)],
     ),
     Experiment(
         "200 hostile LeRobot datasets a case",
         hostile,
         cases=5,
-        sample=0,
         rows=[all_of("refused, nothing outside read or written", nothing_wrong)],
     ),
     Experiment(
@@ -93,7 +87,6 @@ EXPERIMENTS = [
         in_real_time,
         {"seconds": 60.0},
         cases=3,
-        sample=0,
         alone=True,
         rows=[
             worst_of("ticks dropped", lambda case: case["dropped"], at_most=0),

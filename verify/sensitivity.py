@@ -20,12 +20,12 @@ EXPERIMENTS = [
         "half and twice of each parameter",
         sensitivity,
         cases=8,
-        sample=0,
         rows=[
             info("changes", changes),
             all_of("whatever is changed, reached is said only within 0.25 m", tells_the_truth),
         ],
         limit=7200.0,
+        by_night=False,
         learn=write_page,
     )
 ]

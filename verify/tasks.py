@@ -47,7 +47,6 @@ EXPERIMENTS = [
         "VLN, instructions in shipped and generated scenes",
         follow,
         cases=40,
-        sample=3,
         rows=[
             share("followed by text and map", "followed", "instructions", at_least=0.98),
             share("by a parser that shares no code", "by_independent_parser", "instructions", at_least=0.95),
@@ -60,7 +59,6 @@ EXPERIMENTS = [
         "ObjectNav, episodes in shipped and generated scenes",
         look,
         cases=20,
-        sample=3,
         rows=[
             worst_of("goal in view at the start", lambda case: case["seen_at_start"], at_most=0.0),
             share("STOP can be right where the path ends", "right_at_end", "episodes", at_least=0.99),

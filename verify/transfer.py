@@ -69,7 +69,6 @@ EXPERIMENTS = [
             motion,
             {"hardware": hardware, "sequences": SEQUENCES},
             cases=4,
-            sample=3 if hardware == "turtlebot_like" else 0,
             rows=[
                 apart("linear velocity apart", "linear", at_most=0.05),
                 apart("angular velocity apart", "angular", at_most=0.05),
@@ -87,7 +86,6 @@ EXPERIMENTS = [
         {"hardware": "3we_standard_v2"},
         variants=[{"scene": scene} for scene in STATIC],
         cases=360,
-        sample=6,
         rows=[*of_scene(), *(row for claim in of_scene() for row in each("scene", STATIC, lambda _, row=claim: row))],
     ),
     Experiment(
@@ -95,7 +93,6 @@ EXPERIMENTS = [
         in_generated,
         {"run": drive_on_both, "hardware": "3we_standard_v2"},
         cases=60,
-        sample=4,
         rows=of_scene(),
     ),
     *(
@@ -103,7 +100,6 @@ EXPERIMENTS = [
             f"policy trained on mock, randomization {randomization}",
             policy_on_both,
             {"randomization": randomization, "training": 1, "episodes": EPISODES},
-            sample=0,
             rows=[
                 within(
                     counted_of(

@@ -85,7 +85,6 @@ EXPERIMENTS = [
             f"Python {version} in an empty root",
             plain,
             {"version": version},
-            sample=int(version == OWN_VERSION),
             rows=[
                 all_of("the wheel is complete", lambda case: not case["absent"]),
                 all_of(
@@ -101,13 +100,11 @@ EXPERIMENTS = [
     Experiment(
         f"Python {OWN_VERSION} in an empty root, with the demo",
         demo,
-        sample=0,
         rows=[all_of("threewe demo arrives", lambda case: case["demo"]["status"] == 0)],
     ),
     Experiment(
         f"Python {OWN_VERSION} in an empty root, with MuJoCo",
         transfer,
-        sample=0,
         rows=[
             all_of(
                 "threewe transfer compares both simulators",

@@ -1,15 +1,13 @@
 """The harness of `./dev verify`, from the bottom up:
 
 distributions   tails
-sequential      samples and the record against a target: when they give the alarm
-counts, means   the tests: what they catch
 rows            claims: what cases show, judged by a test
+counts, means   the tests: what meets a target, and what a run would catch
 kinds           kinds of rows, and rows about some of the cases
 journal         finished cases, the commit and the seed that follows from it
 running         experiments, whose cases the runner of benchmarks runs in processes of their own
-record          what samples of earlier commits saw
 claims          results of full runs, and the page that is made of them
-area            all of that, for one area
+area            experiments of any areas: run, judged and printed
 """
 
 from verify.harness.kinds import (

@@ -1,17 +1,10 @@
 """Distributions behind the rows, besides those of `threewe.benchmark.statistics`: the binomial and the Poisson."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
-from threewe.benchmark.statistics import NORMAL, beta_share, student_tail
-
-
-def normal_score(t: float, freedom: int, most: float = 8.0) -> float:
-    """The z of a normal distribution that is exceeded as often as `t` of Student's."""
-    if not math.isfinite(t):
-        return math.copysign(most, t)
-    tail = max(student_tail(abs(t), freedom), NORMAL.cdf(-most))
-    return math.copysign(min(-NORMAL.inv_cdf(tail), most), t)
+from threewe.benchmark.statistics import beta_share
 
 
 def binomial_at_most(hits: int, count: int, share: float) -> float:
@@ -30,3 +23,11 @@ def poisson_at_least(events: int, expected: float) -> float:
     k = np.arange(events)
     logs = k * math.log(expected) - expected - np.array([math.lgamma(i + 1.0) for i in k])
     return float(max(1.0 - np.exp(logs).sum(), 0.0))
+
+
+def boundary(inside: float, outside: float, holds: Callable[[float], bool]) -> float:
+    """The number between the two up to which something holds, by bisection."""
+    for _ in range(60):
+        middle = 0.5 * (inside + outside)
+        inside, outside = (middle, outside) if holds(middle) else (inside, middle)
+    return inside

@@ -1,24 +1,34 @@
 """What is kept of a run: each case as it finishes, so that an interrupted run goes on, and which code it was."""
 
 import hashlib
+import math
 import os
 import platform
 import subprocess
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from datetime import date
 from pathlib import Path
 
-from threewe.benchmark.runner import Journal
+from threewe.benchmark.runner import Finished, Journal
 
 from verify.cases.trees import ROOT
 
+OUT_OF_TIME = Finished({}, "out of time")
 
-def open_journal(path: Path) -> Journal:
-    """The cases that have finished. Those that broke or were not shown are run again next time."""
-    journal = Journal(path, keeps=lambda case: "not_shown" not in case)
-    if len(journal):
-        print(f"{len(journal)} cases were finished before")
-    return journal
+
+class CaseJournal(Journal):
+    """The cases that have finished. Those that broke or were not shown are run again next time; from `deadline` on, of
+    the monotonic clock, none begins.
+    """
+
+    def __init__(self, path: Path, deadline: float = math.inf) -> None:
+        super().__init__(path, keeps=lambda case: "not_shown" not in case)
+        self.deadline = deadline
+
+    def find(self, key: str) -> Finished | None:
+        return super().find(key) or (OUT_OF_TIME if time.monotonic() >= self.deadline else None)
 
 
 @dataclass(frozen=True)
@@ -30,12 +40,16 @@ class Revision:
 
     @staticmethod
     def here() -> "Revision":
-        """Of the working tree. Results and records of earlier runs are no code."""
-        own = ["--", ".", ":!verify/results", ":!verify/record.jsonl", ":!docs/claims.md"]
+        """Of the working tree. Results of earlier runs are no code."""
+        own = ["--", ".", ":!verify/results", ":!verify/meanings.yaml", ":!docs/claims.md"]
         commit = git("rev-parse", "--short=10", "HEAD") or "0"
         changes = git("diff", "HEAD", *own) + git("ls-files", "--others", "--exclude-standard", *own)
         suffix = f"+{hashlib.sha256(changes.encode()).hexdigest()[:6]}" if changes else ""
         return Revision(commit + suffix, int(commit[:8], 16))
+
+    def seed_of(self, day: date) -> int:
+        """That of a drawn run on that day."""
+        return number(f"{self.commit}/{day}")
 
 
 def git(*arguments: str) -> str:
@@ -52,5 +66,9 @@ def machine() -> str:
 def seeds(seed: int, name: str, count: int) -> Iterator[int]:
     """The seeds of an experiment's first cases: the same whatever else runs."""
     for index in range(count):
-        digest = hashlib.sha256(f"{seed}/{name}/{index}".encode()).digest()
-        yield int.from_bytes(digest[:4], "little")
+        yield number(f"{seed}/{name}/{index}")
+
+
+def number(text: str) -> int:
+    """32 bits that look drawn."""
+    return int.from_bytes(hashlib.sha256(text.encode()).digest()[:4], "little")

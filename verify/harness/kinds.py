@@ -7,9 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 from verify.harness.counts import Always, Rate, Share
-from verify.harness.means import Counted, Mean
-from verify.harness.rows import Case, KnownMiss, Row
-from verify.harness.sequential import Seen
+from verify.harness.means import Counted, GeometricMean, Mean
+from verify.harness.rows import Case, KnownMiss, Row, Seen
 
 
 def share_of(name: str, holds: Callable[[Case], bool], *, at_least: float) -> Row:
@@ -57,7 +56,7 @@ def time_of(name: str, value: Callable[[Case], float], **target: float) -> Row:
     def seen(parts: list[Case]) -> Seen:
         return mean_and_error([math.log(max(value(part), 1e-12)) for part in parts])
 
-    return Row(name, seen, Mean(bound, at_least, geometric=True))
+    return Row(name, seen, GeometricMean(bound, at_least))
 
 
 def ratio_of(
@@ -83,8 +82,12 @@ def ratio_of(
 def counted_of(
     name: str, hits: Callable[[Case], float], of: Callable[[Case], float], *, form: str = "{:.1%}", **target: float
 ) -> Row:
-    """The share of what each case counts; what is counted in one case may be alike, cases are not."""
+    """The share of what each case counts; what is counted in one case may be alike, cases are not. All of it is right
+    where `at_least` is 1.
+    """
     bound, at_least = sense(target)
+    if at_least and bound >= 1.0:
+        return Row(name, lambda parts: (float(sum(map(hits, parts))), float(sum(map(of, parts)))), Always())
 
     def seen(parts: list[Case]) -> Seen:
         counted = [(hits(part), of(part)) for part in parts if of(part) > 0]
@@ -118,7 +121,9 @@ def rate_of(name: str, events: Callable[[Case], float], exposure: Callable[[Case
 
 
 def whole_of(name: str, judge: Callable[[list[Case]], tuple[str, str, bool | None]]) -> Row:
-    """A figure of all cases together, of which no part is a test: its target, and whether it is met."""
+    """A figure of all cases together, of which no part is a test: its target, and whether it is met. Judged where all
+    cases of the experiment have been run.
+    """
     return Row(name, whole=judge)
 
 
@@ -138,17 +143,17 @@ def where(row: Row, holds: Callable[[Case], bool]) -> Row:
 
 
 def each(key: str, values: Iterable[Any], row: Callable[[Any], Row]) -> list[Row]:
-    """A row for each value of an argument of the cases: claims of full runs, whose samples are pooled."""
+    """A row for each value of an argument of the cases."""
     return [
-        replace(where(made, lambda part, value=value: part[key] == value), name=f"{made.name}, {value}", full_only=True)
+        replace(where(made, lambda part, value=value: part[key] == value), name=f"{made.name}, {value}")
         for value in values
         for made in [row(value)]
     ]
 
 
-def known_miss(row: Row, figure: float | None, why: str) -> Row:
-    """The row, known to miss its target by so much; as it is where there is no figure."""
-    return row if figure is None else replace(row, known_miss=KnownMiss(why, figure))
+def known_miss(row: Row, bar: float | None, why: str) -> Row:
+    """The row, whose figure on file is the bar and misses the target; as it is where there is no bar."""
+    return row if bar is None else replace(row, known_miss=KnownMiss(why, bar))
 
 
 def sense(target: dict[str, float]) -> tuple[float, bool]:

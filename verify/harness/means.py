@@ -5,51 +5,34 @@ from dataclasses import dataclass
 
 from threewe.benchmark.statistics import NORMAL, Z95, student_quantile, wilson
 
-from verify.harness.distributions import normal_score
-from verify.harness.sequential import ALARM, CAUGHT, RUNS, Seen
+from verify.harness.rows import CAUGHT, Seen, Test
 
 LARGE = 700.0  # of logarithms whose numbers can be written
 
 
 @dataclass(frozen=True)
-class Mean:
-    """A mean over the cases, or the ratio of two, is at least or at most `target`.
+class Mean(Test):
+    """A mean over the cases, or the ratio of two. Seen: mean, its standard error, cases."""
 
-    Seen: mean, its standard error, cases. Each run is turned into one normal score by Student's t.
-    """
-
-    target: float
-    at_least: bool
     form: str = "{:.3g}"
-    geometric: bool = False  # of logarithms: for timings, which differ by factors
 
-    def holds(self, seen: Seen) -> bool:
-        return seen[0] >= self.bound if self.at_least else seen[0] <= self.bound
+    def value(self, seen: Seen) -> float:
+        return seen[0]
 
-    @property
-    def bound(self) -> float:
-        return math.log(self.target) if self.geometric else self.target
-
-    def figure(self, seen: Seen) -> str:
-        return f"mean {self.shown(seen[0])} of {seen[2]:.0f}"
-
-    def interval(self, seen: Seen) -> str:
+    def limits(self, seen: Seen) -> tuple[float, float]:
         if seen[2] < 2:
-            return ""
+            return -math.inf, math.inf
         half = student_quantile(Z95, int(seen[2]) - 1) * self.error(seen, seen[0])
-        return f"[{self.shown(seen[0] - half)}, {self.shown(seen[0] + half)}]"
+        return seen[0] - half, seen[0] + half
 
-    def wanted(self) -> str:
-        return f"{'>=' if self.at_least else '<='} {self.form.format(self.target)}"
-
-    def drop(self, seen: Seen, runs: int) -> float:
-        """The mean that is so many standard errors of this run beyond the target; nan where cases show no error."""
+    def drop(self, seen: Seen) -> float:
+        """By Student's distribution; nan where cases show no error."""
         if seen[2] < 2:
             return math.nan
-        scores, drop = student_quantile(self.shift(runs), int(seen[2]) - 1), self.bound
-        for _ in range(100):  # what scatters more where it is lower is found by and by
-            off = scores * self.error(seen, drop)
-            drop = 0.5 * (drop + (self.bound - off if self.at_least else self.bound + off))
+        errors, drop = student_quantile(NORMAL.inv_cdf(CAUGHT), int(seen[2]) - 1), self.target
+        for _ in range(100):  # an error that depends on the mean is found step by step
+            off = errors * self.error(seen, drop)
+            drop = 0.5 * (drop + (self.target - off if self.at_least else self.target + off))
         return drop if off > 0.0 else math.nan
 
     def error(self, seen: Seen, mean: float) -> float:
@@ -57,33 +40,26 @@ class Mean:
         del mean
         return seen[1]
 
-    @staticmethod
-    def shift(runs: int) -> float:
-        """The normal score of each of so many runs whose sum gives the alarm nine times in ten."""
-        z = NORMAL.inv_cdf(CAUGHT)
-        return (z + math.sqrt(z * z + 2.0 * ALARM)) / math.sqrt(runs)
-
-    def has_power(self, drop: float) -> bool:
-        """It would notice half of what is to be much, and twice of what is to be little."""
-        far = self.target * (0.5 if self.at_least else 2.0)
-        far = math.log(far) if self.geometric else far
-        return drop >= far if self.at_least else drop <= far
-
-    def power(self, drop: float) -> str:
-        return f"{'<=' if self.at_least else '>='} {self.shown(drop)}"
-
-    def log_odds(self, seen: Seen, drop: float) -> float:
-        del drop  # which is so many standard errors of whatever run
-        if seen[2] < 2:
-            return math.nan
-        off = self.bound - seen[0] if self.at_least else seen[0] - self.bound
-        error = self.error(seen, self.bound)
-        t = off / error if error > 0.0 else math.inf if off > 0.0 else -math.inf
-        score = normal_score(t, int(seen[2]) - 1)
-        return self.shift(RUNS) * (score - 0.5 * self.shift(RUNS))
-
     def shown(self, value: float) -> str:
-        return self.form.format(math.exp(min(value, LARGE)) if self.geometric else value)
+        return self.form.format(value)
+
+    def figure(self, seen: Seen) -> str:
+        return f"mean {self.shown(self.value(seen))} of {seen[2]:.0f}"
+
+
+@dataclass(frozen=True)
+class GeometricMean(Mean):
+    """The same, seen as logarithms: for timings, which differ by factors."""
+
+    def value(self, seen: Seen) -> float:
+        return exponential(seen[0])
+
+    def limits(self, seen: Seen) -> tuple[float, float]:
+        low, high = super().limits(seen)
+        return exponential(low), exponential(high)
+
+    def drop(self, seen: Seen) -> float:
+        return exponential(Mean(math.log(self.target), self.at_least).drop(seen))
 
 
 @dataclass(frozen=True)
@@ -95,22 +71,26 @@ class Counted(Mean):
 
     form: str = "{:.1%}"
 
-    def figure(self, seen: Seen) -> str:
-        return f"{seen[0] * seen[3]:.0f}/{seen[3]:.0f} = {self.shown(seen[0])}"
+    @property
+    def half(self) -> float:
+        """Of what is to be rare twice as much, or one more in a hundred."""
+        return super().half if self.at_least else max(2.0 * self.target, self.target + 0.01)
 
-    def interval(self, seen: Seen) -> str:
+    def limits(self, seen: Seen) -> tuple[float, float]:
         if seen[2] < 2:
-            return ""
+            return -math.inf, math.inf
         low, high = wilson(round(seen[0] * seen[3]), int(seen[3]))
         half = student_quantile(Z95, int(seen[2]) - 1) * seen[1]
-        low, high = max(min(low, seen[0] - half), 0.0), min(max(high, seen[0] + half), 1.0)
-        return f"[{self.shown(low)}, {self.shown(high)}]"
-
-    def has_power(self, drop: float) -> bool:
-        """It would notice half of what is to be much; of what is to be rare, twice as much or one more in a hundred."""
-        return drop >= 0.5 * self.target if self.at_least else drop <= max(2.0 * self.target, self.target + 0.01)
+        return max(min(low, seen[0] - half), 0.0), min(max(high, seen[0] + half), 1.0)
 
     def error(self, seen: Seen, mean: float) -> float:
         """No less than if all that is counted were alone: that a few cases are alike shows nothing."""
         share = min(max(mean, 0.0), 1.0)
         return max(seen[1], math.sqrt(share * (1.0 - share) / seen[3]))
+
+    def figure(self, seen: Seen) -> str:
+        return f"{seen[0] * seen[3]:.0f}/{seen[3]:.0f} = {self.shown(seen[0])}"
+
+
+def exponential(value: float) -> float:
+    return math.exp(min(value, LARGE)) if math.isfinite(value) else value

@@ -1,23 +1,82 @@
 """Rows: one claim each. What the cases show becomes a figure; a test says whether it holds, and what it would catch.
 
-full run     a row passes, or fails, on its figure
-a sample     a row fails where the sequential test of it and the record gives the alarm, and passes where they speak for
-             the target; what is undecided is printed as `info`
-a row that could not even notice a fall to half of its target, and one that states no power, may fail, and is else
-printed as `info` and never counted as passed
-a broken case is a FAIL of every row of its experiment; what cannot be judged is a FAIL too
+A row passes or fails on its figure; known to miss its target, it fails where its figure is worse than the known one by
+more than chance. Not all cases run decide less: what they miss by chance is `info`, and so is a row of all cases
+together. A row that could not even notice a fall to half of its target, and one that states no power, may fail, and is
+else printed as `info` and never counted as passed. A broken case is a FAIL of every row of its experiment; what cannot
+be judged is a FAIL too.
 """
 
 import math
 import traceback
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
-from verify.harness.counts import Always, Share
-from verify.harness.sequential import ALARM, RUNS, Seen, Test, log_odds
-
 Case = dict[str, Any]
+Seen = tuple[float, ...]
+"""What a run saw, as a few numbers: for each kind of test what its docstring says."""
+CAUGHT = 0.9
+"""The chance with which a run catches the drop that is printed as its power."""
+NO_POWER = "nothing"
+
+
+@dataclass(frozen=True)
+class Test(ABC):
+    """A figure is at least, or at most, `target`: a count (counts.py), or a mean (means.py)."""
+
+    target: float
+    at_least: bool = True
+
+    @abstractmethod
+    def value(self, seen: Seen) -> float:
+        """What is compared with the target."""
+
+    @abstractmethod
+    def limits(self, seen: Seen) -> tuple[float, float]:
+        """The value's interval of 95 %."""
+
+    @abstractmethod
+    def drop(self, seen: Seen) -> float:
+        """The true value nearest to the target of which such a run misses it nine times in ten; nan: none."""
+
+    @abstractmethod
+    def shown(self, value: float) -> str:
+        """A value in the target's form."""
+
+    @abstractmethod
+    def figure(self, seen: Seen) -> str:
+        """What was seen."""
+
+    @property
+    def half(self) -> float:
+        """The fall that a row must notice to pass: to half of what is to be much, to twice of what is to be little."""
+        return self.target * (0.5 if self.at_least else 2.0)
+
+    def holds(self, seen: Seen) -> bool:
+        """Whether the value meets the target."""
+        return self.value(seen) >= self.target if self.at_least else self.value(seen) <= self.target
+
+    def worse(self, seen: Seen, bar: float) -> bool:
+        """Whether the value is worse than the bar by more than chance, one-sided 2.5 %; where it is no number, too."""
+        low, high = self.limits(seen)
+        return not (high >= bar if self.at_least else low <= bar)
+
+    def interval(self, seen: Seen) -> str:
+        low, high = self.limits(seen)
+        return f"[{self.shown(low)}, {self.shown(high)}]" if math.isfinite(high - low) else ""
+
+    def wanted(self) -> str:
+        return f"{'>=' if self.at_least else '<='} {self.shown(self.target)}"
+
+    def power(self, seen: Seen) -> str:
+        drop = self.drop(seen)
+        enough = drop >= self.half if self.at_least else drop <= self.half
+        return self.caught(drop) if enough else NO_POWER
+
+    def caught(self, drop: float) -> str:
+        return f"{'<=' if self.at_least else '>='} {self.shown(drop)}"
 
 
 @dataclass(frozen=True)
@@ -29,15 +88,14 @@ class Verdict:
     status: str  # "pass", "FAIL", "known miss", "info" where nothing is decided, or "not shown"
     interval: str = ""
     power: str = ""  # the drop that is caught nine times in ten
-    seen: Seen = ()  # for the record
 
 
 @dataclass(frozen=True)
 class KnownMiss:
-    """Why a row misses its target, and the figure that it had: a sample is tested against that."""
+    """Why a row misses its target, and the bar: the figure on file. A run that is worse by more than chance fails."""
 
     why: str
-    figure: float
+    bar: float
 
 
 @dataclass(frozen=True)
@@ -53,62 +111,45 @@ class Row:
     parts: Callable[[Case], Iterable[Case]] = lambda case: [case]
     words: Callable[[list[Case]], str] | None = None  # to go with the figure
     known_miss: KnownMiss | None = None
-    full_only: bool = False  # too few cases of a sample are about it
 
-    def judge(self, cases: Sequence[Case], *, sample: bool = False, earlier: Iterable[Seen] = ()) -> Verdict:
-        """The verdict on cases of which none is `not_shown`; whatever they hold, it is one."""
+    @property
+    def target(self) -> str:
+        """What its test wants; a whole says so with its figure."""
+        return self.test.wanted() if self.test else ""
+
+    def judge(self, cases: Sequence[Case], *, complete: bool = True) -> Verdict:
+        """The verdict on cases of which none is `not_shown`, all that the experiment has where they are `complete`;
+        whatever they hold, it is one.
+        """
         broken = sum("error" in case for case in cases)
-        target = self.test.wanted() if self.test else ""
         if broken:
-            return Verdict(f"{broken} of {len(cases)} cases broke", target, "FAIL")
+            return Verdict(f"{broken} of {len(cases)} cases broke", self.target, "FAIL")
         try:
             parts = [part for case in cases for part in self.parts(case)]
             if not parts:
-                return Verdict("nothing to judge", target, "info")
-            return self.judge_whole(parts, sample) if self.test is None else self.judge_seen(parts, sample, earlier)
+                return Verdict("nothing to judge", self.target, "info")
+            return self.judge_whole(parts, complete) if self.test is None else self.judge_seen(parts, complete)
         except Exception:
-            return Verdict(f"not to be judged: {traceback.format_exc(limit=-1).splitlines()[-1]}", target, "FAIL")
+            why = traceback.format_exc(limit=-1).splitlines()[-1]
+            return Verdict(f"not to be judged: {why}", self.target, "FAIL")
 
-    def judge_whole(self, parts: list[Case], sample: bool) -> Verdict:
+    def judge_whole(self, parts: list[Case], complete: bool) -> Verdict:
         assert self.whole is not None
         figure, target, met = self.whole(parts)
         if met is None:
             return Verdict(figure, target, "info")
-        if sample:
-            return Verdict(figure, target, "info", power="nothing: only full runs are judged")
-        return Verdict(figure, target, "info" if met else self.missed(), power="nothing")
+        return Verdict(figure, target, "info" if met or not complete else "FAIL", power=NO_POWER)
 
-    def judge_seen(self, parts: list[Case], sample: bool, earlier: Iterable[Seen]) -> Verdict:
+    def judge_seen(self, parts: list[Case], complete: bool) -> Verdict:
         assert self.test is not None
         assert self.seen is not None
         seen, test = self.seen(parts), self.test
+        power = test.power(seen)
         figure = test.figure(seen) + (f"; {self.words(parts)}" if self.words else "")
-        runs = RUNS if sample else 1
-        if sample and self.known_miss:  # it is to get no worse
-            test = missed_by(test, self.known_miss.figure)
-        drop = test.drop(seen, runs)
-        able = test.has_power(drop)
-        power = (f"{test.power(drop)} in {runs} such run{'s' * (runs > 1)}") if math.isfinite(drop) else "nothing"
-        if sample:
-            status = self.status_of(log_odds(test, drop, earlier, seen), able)
-            if status == "info":
-                power += ": undecided" if able else ": too little to judge by"
+        if test.holds(seen):
+            status = "info" if power == NO_POWER else "pass"
+        elif self.known_miss:
+            status = "FAIL" if test.worse(seen, self.known_miss.bar) else "known miss"
         else:
-            status = self.missed() if not test.holds(seen) else "pass" if able else "info"
-        return Verdict(figure, self.test.wanted(), status, self.test.interval(seen), power, seen)
-
-    def status_of(self, odds: float, able: bool) -> str:
-        """Of a sample; what is undecided, or could not notice much, decides nothing."""
-        if odds >= ALARM:
-            return "FAIL"
-        if self.known_miss:
-            return "known miss"
-        return "pass" if able and odds <= 0.0 else "info"
-
-    def missed(self) -> str:
-        return "known miss" if self.known_miss else "FAIL"
-
-
-def missed_by(test: Test, figure: float) -> Test:
-    """The test against what was measured instead."""
-    return Share(figure) if isinstance(test, Always) else replace(test, target=figure)
+            status = "FAIL" if complete or test.worse(seen, test.target) else "info"
+        return Verdict(figure, test.wanted(), status, test.interval(seen), power)

@@ -4,9 +4,9 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from threewe.benchmark.runner import Finished, Job, Journal, run_jobs
+from threewe.benchmark.runner import Finished, Job, run_jobs
 
-from verify.harness.journal import seeds
+from verify.harness.journal import OUT_OF_TIME, CaseJournal, seeds
 from verify.harness.rows import Case, Row
 
 
@@ -22,11 +22,11 @@ class Experiment:
     arguments: Case = field(default_factory=dict)
     variants: Sequence[Case] = ({},)  # more arguments, one of them for each case
     cases: int = 1
-    sample: int = 1  # of them with --sample; 0 leaves the experiment out
     rows: list[Row] = field(default_factory=list)
     alone: bool = False  # one case at a time, for those that measure time
     at_once: int = 2  # cases at a time; more of those that are in real time, and wait for most of it
     limit: float = 900.0  # [s] of wall time, after which a case counts as hanging
+    by_night: bool = True  # in drawn runs; False where it takes all of a night, or times the wall
     learn: Callable[[list[Case], str, int], None] | None = None  # with --write-model: from cases, commit and seed
 
     def arguments_of(self, index: int) -> Case:
@@ -36,7 +36,7 @@ class Experiment:
 
 @dataclass(frozen=True)
 class Cases:
-    """What came of an experiment's cases, and the seconds that they took in all."""
+    """What came of an experiment's cases that have finished, and the seconds that they took in all."""
 
     all: list[Case]
     seconds: float
@@ -52,7 +52,7 @@ class Cases:
         return [case for case in self.all if "error" in case]
 
 
-def run_cases(experiment: Experiment, seed: int, count: int, journal: Journal) -> Cases:
+def run_cases(experiment: Experiment, seed: int, count: int, journal: CaseJournal) -> Cases:
     """Runs those cases that the journal lacks, each in a process that others run beside."""
     drawn = list(seeds(seed, experiment.name, count))
     jobs = [
@@ -65,13 +65,14 @@ def run_cases(experiment: Experiment, seed: int, count: int, journal: Journal) -
         for index, case_seed in enumerate(drawn)
     ]
     found = run_jobs(jobs, 1 if experiment.alone else experiment.at_once, journal, on_done=show_failure)
+    found = [one for one in found if one is not OUT_OF_TIME]
     cases = [{"error": one.failure} if one.failure else one.result for one in found]
     return Cases(cases, sum(one.seconds for one in found))
 
 
 def show_failure(job: Job, finished: Finished) -> None:
     """What broke is seen at once."""
-    if finished.failure:
+    if finished.failure and finished is not OUT_OF_TIME:
         print(f"{job.key}: {finished.failure}", file=sys.stderr, flush=True)
 
 
