@@ -8,9 +8,10 @@ find_package(tl-expected REQUIRED)
 set(THREEWE_INCLUDED Eigen3::Eigen nlohmann_json::nlohmann_json tl::expected)
 
 # Defines the library of one module. Files are found by themselves, also in the named FOLDERS within the module; a module
-# without sources is its headers.
+# without sources is its headers. Its sources are compiled a few at a time (THREEWE_FAST_BUILD), except for those named ALONE,
+# whose anonymous namespaces have names of others, and those that Highway compiles once for each vector target.
 function(threewe_module module)
-  cmake_parse_arguments(ARG "" "" "USES;FOLDERS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "USES;FOLDERS;ALONE" ${ARGN})
   string(REPLACE "/" "_" name ${module})
   set(target threewe_${name})
 
@@ -21,11 +22,22 @@ function(threewe_module module)
     target_link_libraries(${target} PRIVATE threewe_warnings)
     set(scope PUBLIC)
     set_property(GLOBAL APPEND PROPERTY threewe_objects $<TARGET_OBJECTS:${target}>)
-    if(THREEWE_SANITIZE AND module STREQUAL "core")
+    if(module STREQUAL "core")
       threewe_precompile(threewe_core)
-    elseif(THREEWE_SANITIZE)
+    else()
       threewe_precompile(${target} REUSE_FROM threewe_core)
     endif()
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ${THREEWE_FAST_BUILD} UNITY_BUILD_BATCH_SIZE 8)
+    if(THREEWE_FAST_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU") # which takes sources for headers then
+      target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+    endif()
+    foreach(source IN LISTS sources)
+      cmake_path(GET source STEM stem)
+      file(STRINGS "${source}" highway REGEX "define HWY_TARGET_INCLUDE")
+      if(highway OR stem IN_LIST ARG_ALONE)
+        set_source_files_properties("${source}" PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+      endif()
+    endforeach()
   else()
     add_library(${target} INTERFACE)
     set(scope INTERFACE)

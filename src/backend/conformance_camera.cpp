@@ -132,7 +132,7 @@ void depth_agrees_with_lidar(const Context& context) {
   expect(fit <= 0.2, "depth fits the scan within {:.3f} m only", fit);
 }
 
-constexpr Check kChecks[] = {
+constexpr Check kCameraChecks[] = {
     {"images_have_the_profiles_size", images_have_the_profiles_size},
     {"image_intrinsics_are_the_profiles", image_intrinsics_are_the_profiles},
     {"images_follow_the_robot", images_follow_the_robot},
@@ -143,6 +143,6 @@ constexpr Check kChecks[] = {
 
 }  // namespace
 
-std::span<const Check> camera_checks() { return kChecks; }
+std::span<const Check> camera_checks() { return kCameraChecks; }
 
 }  // namespace threewe::backend::conformance

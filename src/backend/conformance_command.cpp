@@ -121,7 +121,7 @@ void hardware_limits_hold(const Context& context) {
          seen.angular, limits.angular);
 }
 
-constexpr Check kChecks[] = {
+constexpr Check kCommandChecks[] = {
     {"commands_that_are_not_finite_are_refused", commands_that_are_not_finite_are_refused},
     {"sideways_is_refused", sideways_is_refused},
     {"a_refused_command_changes_nothing", a_refused_command_changes_nothing},
@@ -135,6 +135,6 @@ constexpr Check kChecks[] = {
 
 }  // namespace
 
-std::span<const Check> command_checks() { return kChecks; }
+std::span<const Check> command_checks() { return kCommandChecks; }
 
 }  // namespace threewe::backend::conformance

@@ -103,7 +103,7 @@ void connecting_again_works(const Context& context) {
   expect(!bench.of(SensorType::odometry).empty(), "no odometry arrived after connect(), disconnect(), connect()");
 }
 
-constexpr Check kChecks[] = {
+constexpr Check kConnectionChecks[] = {
     {"features_are_readable_before_connecting", features_are_readable_before_connecting},
     {"features_do_not_change", features_do_not_change},
     {"features_match_the_profile", features_match_the_profile},
@@ -118,6 +118,6 @@ constexpr Check kChecks[] = {
 
 }  // namespace
 
-std::span<const Check> connection_checks() { return kChecks; }
+std::span<const Check> connection_checks() { return kConnectionChecks; }
 
 }  // namespace threewe::backend::conformance

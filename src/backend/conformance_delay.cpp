@@ -235,7 +235,7 @@ void each_sample_is_new(const Context& context) {
   });
 }
 
-constexpr Check kChecks[] = {
+constexpr Check kDelayChecks[] = {
     {"each_sample_is_new", each_sample_is_new},
     {"odometry_answers_the_command_in_time", odometry_answers_the_command_in_time},
     {"imu_and_odometry_are_of_one_time", imu_and_odometry_are_of_one_time},
@@ -244,6 +244,6 @@ constexpr Check kChecks[] = {
 
 }  // namespace
 
-std::span<const Check> delay_checks() { return kChecks; }
+std::span<const Check> delay_checks() { return kDelayChecks; }
 
 }  // namespace threewe::backend::conformance

@@ -181,7 +181,7 @@ void lidar_sees_the_robot_turn_left(const Context& context) {
   expect_best_fit(seen, "turning left");
 }
 
-constexpr Check kChecks[] = {
+constexpr Check kLidarChecks[] = {
     {"scan_has_the_profiles_beams", scan_has_the_profiles_beams},
     {"scan_limits_are_the_profiles", scan_limits_are_the_profiles},
     {"scan_ranges_are_valid", scan_ranges_are_valid},
@@ -194,6 +194,6 @@ constexpr Check kChecks[] = {
 
 }  // namespace
 
-std::span<const Check> lidar_checks() { return kChecks; }
+std::span<const Check> lidar_checks() { return kLidarChecks; }
 
 }  // namespace threewe::backend::conformance

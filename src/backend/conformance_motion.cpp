@@ -162,7 +162,7 @@ void battery_is_a_fraction_and_never_rises(const Context& context) {
   }
 }
 
-constexpr Check kChecks[] = {
+constexpr Check kMotionChecks[] = {
     {"odometry_starts_at_the_origin", odometry_starts_at_the_origin},
     {"a_metre_driven_is_a_metre_in_odometry", a_metre_driven_is_a_metre_in_odometry},
     {"odometry_turns_left", odometry_turns_left},
@@ -178,6 +178,6 @@ constexpr Check kChecks[] = {
 
 }  // namespace
 
-std::span<const Check> motion_checks() { return kChecks; }
+std::span<const Check> motion_checks() { return kMotionChecks; }
 
 }  // namespace threewe::backend::conformance

@@ -112,13 +112,13 @@ void the_lidar_is_where_the_profile_says(const Context& context) {
          turned, mount.x + fit.off.x, mount.y + fit.off.y, mount.x, mount.y);
 }
 
-constexpr Check kChecks[] = {
+constexpr Check kMountChecks[] = {
     {"the_lidar_does_not_hit_the_robot", the_lidar_does_not_hit_the_robot},
     {"the_lidar_is_where_the_profile_says", the_lidar_is_where_the_profile_says},
 };
 
 }  // namespace
 
-std::span<const Check> mount_checks() { return kChecks; }
+std::span<const Check> mount_checks() { return kMountChecks; }
 
 }  // namespace threewe::backend::conformance

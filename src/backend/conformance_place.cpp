@@ -177,7 +177,7 @@ void reset_puts_the_robot_at_its_pose(const Context& context) {
   }
 }
 
-constexpr Check kChecks[] = {
+constexpr Check kPlaceChecks[] = {
     {"the_robot_starts_at_the_commanded_pose", the_robot_starts_at_the_commanded_pose},
     {"reset_puts_the_robot_at_its_pose", reset_puts_the_robot_at_its_pose},
     {"truth_is_in_the_frame_of_the_scene", truth_is_in_the_frame_of_the_scene},
@@ -185,6 +185,6 @@ constexpr Check kChecks[] = {
 
 }  // namespace
 
-std::span<const Check> place_checks() { return kChecks; }
+std::span<const Check> place_checks() { return kPlaceChecks; }
 
 }  // namespace threewe::backend::conformance

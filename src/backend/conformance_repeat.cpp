@@ -166,7 +166,7 @@ void saving_changes_nothing(const Context& context) {
   expect_same(saved, drive_around(saved), drive_around(other), "a world that was saved and one that was not");
 }
 
-constexpr Check kChecks[] = {
+constexpr Check kRepeatChecks[] = {
     {"the_same_seed_repeats", the_same_seed_repeats},
     {"another_seed_differs", another_seed_differs},
     {"reset_without_the_claim_is_refused", reset_without_the_claim_is_refused},
@@ -180,6 +180,6 @@ constexpr Check kChecks[] = {
 
 }  // namespace
 
-std::span<const Check> repeat_checks() { return kChecks; }
+std::span<const Check> repeat_checks() { return kRepeatChecks; }
 
 }  // namespace threewe::backend::conformance

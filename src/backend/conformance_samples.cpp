@@ -126,7 +126,7 @@ void rates_are_as_listed(const Context& context) {
   }
 }
 
-constexpr Check kChecks[] = {
+constexpr Check kSamplesChecks[] = {
     {"every_sensor_delivers", every_sensor_delivers},
     {"samples_hold_their_sensors_data", samples_hold_their_sensors_data},
     {"second_poll_is_empty", second_poll_is_empty},
@@ -140,6 +140,6 @@ constexpr Check kChecks[] = {
 
 }  // namespace
 
-std::span<const Check> sample_checks() { return kChecks; }
+std::span<const Check> sample_checks() { return kSamplesChecks; }
 
 }  // namespace threewe::backend::conformance

@@ -288,7 +288,7 @@ void images_are_blue_green_red(const Context& context) {
   applies_if(as_is <= 0.5 * colored, kState);
 }
 
-constexpr Check kChecks[] = {
+constexpr Check kSceneryChecks[] = {
     {"images_turn_with_the_robot", images_turn_with_the_robot},
     {"images_show_what_is_there", images_show_what_is_there},
     {"images_are_blue_green_red", images_are_blue_green_red},
@@ -297,6 +297,6 @@ constexpr Check kChecks[] = {
 
 }  // namespace
 
-std::span<const Check> scenery_checks() { return kChecks; }
+std::span<const Check> scenery_checks() { return kSceneryChecks; }
 
 }  // namespace threewe::backend::conformance

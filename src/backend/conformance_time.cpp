@@ -69,7 +69,7 @@ void command_returns_at_once(const Context& context) {
          to_seconds(taken));
 }
 
-constexpr Check kChecks[] = {
+constexpr Check kTimeChecks[] = {
     {"time_starts_at_zero", time_starts_at_zero},       {"advance_is_exact", advance_is_exact},
     {"time_never_goes_back", time_never_goes_back},     {"advance_to_now_does_nothing", advance_to_now_does_nothing},
     {"time_waits_for_advance", time_waits_for_advance}, {"command_returns_at_once", command_returns_at_once},
@@ -77,6 +77,6 @@ constexpr Check kChecks[] = {
 
 }  // namespace
 
-std::span<const Check> time_checks() { return kChecks; }
+std::span<const Check> time_checks() { return kTimeChecks; }
 
 }  // namespace threewe::backend::conformance

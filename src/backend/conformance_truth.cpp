@@ -78,7 +78,7 @@ void no_path_is_shorter_than_the_straight_line(const Context& context) {
   }
 }
 
-constexpr Check kChecks[] = {
+constexpr Check kTruthChecks[] = {
     {"truth_begins_at_the_start_pose", truth_begins_at_the_start_pose},
     {"truth_agrees_with_odometry", truth_agrees_with_odometry},
     {"true_velocity_is_in_the_body_frame", true_velocity_is_in_the_body_frame},
@@ -90,6 +90,6 @@ constexpr Check kChecks[] = {
 
 }  // namespace
 
-std::span<const Check> truth_checks() { return kChecks; }
+std::span<const Check> truth_checks() { return kTruthChecks; }
 
 }  // namespace threewe::backend::conformance

@@ -115,7 +115,7 @@ void ultrasonics_measure_the_robot_drive_forward(const Context& context) {
          nearest);
 }
 
-constexpr Check kChecks[] = {
+constexpr Check kUltrasonicChecks[] = {
     {"ultrasonics_are_mounted", ultrasonics_are_mounted},
     {"sonar_limits_are_the_profiles", sonar_limits_are_the_profiles},
     {"sonar_ranges_are_valid", sonar_ranges_are_valid},
@@ -125,6 +125,6 @@ constexpr Check kChecks[] = {
 
 }  // namespace
 
-std::span<const Check> ultrasonic_checks() { return kChecks; }
+std::span<const Check> ultrasonic_checks() { return kUltrasonicChecks; }
 
 }  // namespace threewe::backend::conformance

@@ -11,10 +11,10 @@ namespace {
 
 using scene::CellIndex, scene::CellSet;
 
-constexpr std::size_t kLeast = 8;    // [cells] smaller frontiers are not worth a walk
-constexpr int kGap = 12;             // unknown cells of 5 x 5 that make a gap of more than a slit between beams
-constexpr double kReplan = 0.5;      // [m] walked before the nearest frontier is looked for again
-constexpr double kLongest = 2000.0;  // [m] no exploration of our scenes is longer
+constexpr std::size_t kLeast = 8;  // [cells] smaller frontiers are not worth a walk
+constexpr int kGap = 12;           // unknown cells of 5 x 5 that make a gap of more than a slit between beams
+constexpr double kReplan = 0.5;    // [m] walked before the nearest frontier is looked for again
+constexpr double kLongestExploration = 2000.0;  // [m] no exploration of our scenes is longer
 
 // Known cells to stand on, each beside an unknown one in a gap.
 bool is_frontier(const CellSet& standable, const CellSet& known, CellIndex cell) {
@@ -95,7 +95,7 @@ ReferenceExploration nearest_frontier(const std::shared_ptr<const scene::SceneTa
   Walk walk(start.position());
   std::vector<Vec2> path;
   double planned_at = 0.0;
-  while (walk.length() < kLongest) {
+  while (walk.length() < kLongestExploration) {
     const Pose2D here{walk.here().x, walk.here().y, start.theta};
     explorer.look(here);
     meter.observe(here * profile.lidar->base_from_lidar);

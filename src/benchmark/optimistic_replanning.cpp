@@ -7,8 +7,8 @@
 namespace threewe::benchmark {
 namespace {
 
-constexpr double kAround = 4.0;     // [m] around the scene that a way can be hoped for in
-constexpr double kLongest = 500.0;  // [m] no drive in our scenes is longer
+constexpr double kAround = 4.0;          // [m] around the scene that a way can be hoped for in
+constexpr double kLongestDrive = 500.0;  // [m] no drive in our scenes is longer
 
 }  // namespace
 
@@ -20,7 +20,7 @@ ReferenceDrive optimistic_replanning(const scene::SceneTables& tables, const Rob
   Sight sight(tables, profile, kAround);
   Walk walk(start.position());
   std::vector<Vec2> path;
-  while (walk.length() < kLongest) {
+  while (walk.length() < kLongestDrive) {
     sight.look({walk.here().x, walk.here().y, start.theta});
     if (path.empty() || !sight.is_open(path)) path = scene::GeodesicField(sight.open(), goal).path_from(walk.here());
     if (path.size() < 2) break;

@@ -6,6 +6,7 @@
 #include <utility>
 #include <variant>
 
+#include "core/numbers.hpp"
 #include "sim/step.hpp"
 #include "threewe/core/time.hpp"
 #include "threewe/scene/truth_view.hpp"
@@ -72,8 +73,6 @@ RobotProfile bare(const RobotProfile& profile) {
   bare.camera.reset();
   return bare;
 }
-
-double square(double x) { return x * x; }
 
 struct Sums {
   double linear = 0.0;

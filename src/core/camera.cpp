@@ -16,7 +16,7 @@ namespace {
 constexpr int kMaxSide = 16384;         // [px]
 constexpr long kMaxPixels = 1L << 26U;  // of one image
 constexpr double kShortest = 1e-2;      // [px]
-constexpr double kFarthest = 1e6;       // [px]
+constexpr double kFarthestPixel = 1e6;  // [px]
 
 }  // namespace
 
@@ -37,13 +37,13 @@ void check(const CameraIntrinsics& camera) {
         fmt::format("a camera image of {} x {} pixels: sides must be 1 to {}, and at most {} pixels in all", width,
                     height, kMaxSide, kMaxPixels));
   }
-  const auto focal_ok = [](double f) { return f >= kShortest && f <= kFarthest; };
-  const auto centre_ok = [](double c) { return std::fabs(c) <= kFarthest; };
+  const auto focal_ok = [](double f) { return f >= kShortest && f <= kFarthestPixel; };
+  const auto centre_ok = [](double c) { return std::fabs(c) <= kFarthestPixel; };
   if (!focal_ok(fx) || !focal_ok(fy) || !centre_ok(cx) || !centre_ok(cy)) {
     throw ConfigError(
         fmt::format("camera with fx = {}, fy = {}, cx = {}, cy = {}: focal lengths must be {} to {} pixels, the "
                     "principal point within {} pixels of the corner",
-                    fx, fy, cx, cy, kShortest, kFarthest, kFarthest));
+                    fx, fy, cx, cy, kShortest, kFarthestPixel, kFarthestPixel));
   }
 }
 

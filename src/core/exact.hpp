@@ -9,6 +9,7 @@
 namespace threewe::exact {
 
 inline constexpr double kPi = std::numbers::pi;
+inline constexpr double kHalfPi = 0.5 * kPi;
 
 /// Correctly rounded by IEEE 754, hence the one function of <cmath> that exact code may call.
 inline double sqrt(double x) { return std::sqrt(x); }

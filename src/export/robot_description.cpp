@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <numbers>
 
 #include <fmt/format.h>
 
 #include "core/exact.hpp"
+#include "core/numbers.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::exports {
@@ -124,7 +124,6 @@ void add_wheels(RobotDescription& robot) {
 
 // The rectangle around the footprint.
 std::pair<Vec2, Vec2> extent(const Footprint& footprint) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Vec2 low{kInfinity, kInfinity};
   Vec2 high{-kInfinity, -kInfinity};
   for (const Vec2 corner : footprint.corners()) {

@@ -208,7 +208,7 @@ pugi::xml_node add_static_model(pugi::xml_node world, const std::string& name) {
   return add(model, "link", {{"name", "link"}});
 }
 
-void add_scene(pugi::xml_node world, const SceneBlocks& blocks, double friction) {
+void add_static_models(pugi::xml_node world, const SceneBlocks& blocks, double friction) {
   pugi::xml_node floor = add_static_model(world, "floor");
   for (const FloorTile& tile : blocks.floor_looks) add_visual(floor, floor_box(tile));
   for (const FloorTile& tile : blocks.floor_friction) {
@@ -251,7 +251,7 @@ std::string world_sdf(const scene::Scene& scene, const RobotDescription& robot) 
   pugi::xml_node sun = add(world, "light", {{"name", "sun"}, {"type", "directional"}});
   add_text(sun, "cast_shadows", "false");
   add_text(sun, "direction", "0.3 0.2 -1");
-  add_scene(world, blocks_of(scene), robot.profile.body.friction);
+  add_static_models(world, blocks_of(scene), robot.profile.body.friction);
   add_text(add(world, "include"), "uri", "model://" + robot.profile.name);
   return to_string(document);
 }

@@ -9,7 +9,7 @@
 namespace threewe::map {
 namespace {
 
-constexpr double kRim = 0.06;       // [m] beyond the blind disc, within which a surface that leads into it is seen
+constexpr double kBlindRim = 0.06;  // [m] beyond the blind disc, within which a surface that leads into it is seen
 constexpr double kLeast = 0.06;     // [m] between hits, less is no hole
 constexpr double kSpacing = 0.015;  // [m] between the points
 constexpr double kSeen = 0.05;      // [m] of the line on either side that may lie outside of the blind disc
@@ -19,7 +19,7 @@ struct Hit {
   Vec2 from_lidar;
 };
 
-bool is_at_rim(Vec2 from_lidar, double range_min) { return norm(from_lidar) < range_min + kRim; }
+bool is_at_rim(Vec2 from_lidar, double range_min) { return norm(from_lidar) < range_min + kBlindRim; }
 
 // All of them, by bearing; none where nothing is near.
 std::vector<Hit> round_about(std::span<const Vec2> hits, Vec2 lidar, double range_min) {

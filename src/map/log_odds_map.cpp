@@ -4,13 +4,13 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "core/bounds.hpp"
 #include "core/exact.hpp"
+#include "core/numbers.hpp"
 #include "map/scan_kernel.hpp"
 #include "threewe/core/errors.hpp"
 
@@ -139,7 +139,6 @@ void LogOddsMap::insert(std::span<const Beam> scan, double range_bias, double ra
 
 // The beams that the map can hold without growing beyond its limits.
 std::vector<Beam> LogOddsMap::within_reach(std::span<const Beam> beams) const {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   constexpr double kSlack = 4 * kChunk;  // [cells] by which growing may overshoot: whole chunks and a rim
   const double r = grid_.resolution;
   const bool first = grid_.data.empty();
@@ -161,7 +160,6 @@ std::vector<Beam> LogOddsMap::within_reach(std::span<const Beam> beams) const {
 
 void LogOddsMap::grow_to_hold(std::span<const Beam> beams, double range_bias) {
   if (beams.empty()) return;
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Vec2 low{kInfinity, kInfinity};
   Vec2 high{-kInfinity, -kInfinity};
   for (const Beam& beam : beams) {
@@ -237,7 +235,6 @@ void LogOddsMap::add_hit(const Beam& beam, double range_bias) {
 // Marks what beams passed through. Returns where all lie that the scan saw.
 Region LogOddsMap::mark_free(std::span<const Beam> beams, double range_bias) {
   if (beams.empty()) return {};
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const double cells = 1.0 / grid_.resolution;
   Vec2 low{kInfinity, kInfinity};
   Vec2 high{-kInfinity, -kInfinity};

@@ -1,17 +1,15 @@
 #include "nav/room_field.hpp"
 #include "core/exact.hpp"
+#include "core/numbers.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <queue>
 #include <utility>
 
 namespace threewe::nav {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double room_at(Vec2 place, std::span<const Vec2> hits, double most) {
   double least = most * most;

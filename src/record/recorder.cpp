@@ -33,7 +33,7 @@ constexpr std::size_t kMostBlocks = 1;                      // on their way to t
 constexpr std::size_t kMostBytes = std::size_t{64} << 20U;  // the same in real time, where ticks cannot wait
 constexpr std::size_t kLargeBlock = std::size_t{4} << 20U;  // [bytes] of which a block is no longer collected
 
-void check(const Metadata& metadata) {
+void check_finite(const Metadata& metadata) {
   for (const auto& [name, value] : metadata) {
     const double* number = std::get_if<double>(&value);
     if (number != nullptr && !std::isfinite(*number)) {
@@ -401,7 +401,7 @@ std::size_t Recorder::start_episode(const std::string& task, const Metadata& met
   Impl& it = *impl_;
   if (!it.folder) throw ContractError("this recorder is closed: make another");
   if (it.file) throw ContractError("an episode has begun already: end_episode or discard_episode first");
-  check(metadata);
+  check_finite(metadata);
   Header header;
   header.task = task;
   header.metadata = metadata;
@@ -458,7 +458,7 @@ void Recorder::Impl::end() {
 void Recorder::end_episode(std::optional<bool> success, const Metadata& more) {
   Impl& it = *impl_;
   it.require_open();
-  check(more);
+  check_finite(more);
   RecordWriter footer;
   footer.put({success, more});
   std::unique_lock lock(it.mutex);

@@ -3,18 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
 #include "core/exact.hpp"
+#include "core/numbers.hpp"
 #include "hardware/parameters.hpp"
 #include "threewe/core/grid_index.hpp"
 
 namespace threewe::safety {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Where an earlier scan was taken from, in the lidar's frame of the newest.
 struct View {

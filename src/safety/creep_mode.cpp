@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
-#include <limits>
 
 #include "core/exact.hpp"
+#include "core/numbers.hpp"
 #include "map/scan_hits.hpp"
 
 namespace threewe::safety {
@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kRounding = 1.0 + 1e-9;
 constexpr double kBoxedIn = 4.0;  // margins before and behind the body, together
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double corner_speed(const GateModel& model, const Velocity& v) {
   return exact::hypot(v.vx, v.vy) + std::abs(v.omega) * model.footprint.circumscribed_radius();

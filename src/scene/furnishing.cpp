@@ -14,7 +14,6 @@
 namespace threewe::scene {
 namespace {
 
-constexpr double kQuarterTurn = 0.5 * exact::kPi;
 constexpr int kDoorSpace = 90;  // [cm] kept free from the middle of a doorway into the room
 constexpr int kWallFace = 8;    // [cm] from the middle of a wall to a leaf that hangs on it
 
@@ -232,7 +231,7 @@ std::pair<int, int> turned(int x, int y, int turns) {
 }
 
 double heading(int turns, int hundredths) {
-  constexpr std::array kHeadings = {0.0, kQuarterTurn, exact::kPi, -kQuarterTurn};
+  constexpr std::array kHeadings = {0.0, exact::kHalfPi, exact::kPi, -exact::kHalfPi};
   const double theta = kHeadings[static_cast<std::size_t>(turns & 3)];
   return hundredths == 0 ? theta : wrap_angle(theta + hundredths / 100.0);
 }

@@ -1,5 +1,6 @@
 #include "scene/geodesic.hpp"
 #include "core/exact.hpp"
+#include "core/numbers.hpp"
 #include "scene/cell_lines.hpp"
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 namespace threewe::scene {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kBorder = 2;  // cells around the grid that are never known, so that no neighbour needs a check
 
 // Around the target visible cells get their exact distance: there the front is so curved that differences are poor.

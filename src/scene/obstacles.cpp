@@ -1,8 +1,8 @@
 #include "scene/obstacles.hpp"
 #include "core/exact.hpp"
+#include "core/numbers.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <numbers>
 #include <numeric>
 #include <utility>
@@ -10,7 +10,6 @@
 namespace threewe::scene {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kBucket = 0.5;  // [m]
 
 std::vector<Vec2> outline_at(const Footprint& footprint, const Pose2D& pose) {

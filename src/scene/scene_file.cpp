@@ -17,8 +17,6 @@
 namespace threewe::scene {
 namespace {
 
-constexpr double kQuarterTurn = 0.5 * exact::kPi;
-
 constexpr double kLargestArea = 1e5;    // [m^2] around all walls: its tables take 300 MB
 constexpr double kSmallestRoom = 0.5;   // [m]
 constexpr double kSmallestPatch = 0.1;  // [m]
@@ -33,7 +31,7 @@ const std::vector<std::string> kFloors = {"wood",  "tile",   "carpet",  "concret
 
 // Files write quarter turns as 1.5708: the nearest exact one is meant.
 double snap_to_quarter_turn(double theta) {
-  const double nearest = kQuarterTurn * std::round(theta / kQuarterTurn);
+  const double nearest = exact::kHalfPi * std::round(theta / exact::kHalfPi);
   return std::fabs(theta - nearest) < 1e-3 ? wrap_angle(nearest) : theta;
 }
 
@@ -42,7 +40,7 @@ class SceneFromFile {
  public:
   SceneFromFile() = default;
   explicit SceneFromFile(const Pose2D& start)
-      : origin_(start.position()), turns_(static_cast<int>(std::lround(-start.theta / kQuarterTurn)) & 3) {}
+      : origin_(start.position()), turns_(static_cast<int>(std::lround(-start.theta / exact::kHalfPi)) & 3) {}
 
   Vec2 operator()(Vec2 point) const {
     Vec2 p = point - origin_;
@@ -51,7 +49,7 @@ class SceneFromFile {
   }
   Pose2D operator()(const Pose2D& pose) const {
     const Vec2 p = (*this)(pose.position());
-    return {p.x, p.y, snap_to_quarter_turn(wrap_angle(snap_to_quarter_turn(pose.theta) + turns_ * kQuarterTurn))};
+    return {p.x, p.y, snap_to_quarter_turn(wrap_angle(snap_to_quarter_turn(pose.theta) + turns_ * exact::kHalfPi))};
   }
 
  private:
@@ -96,7 +94,7 @@ class SceneReader {
     const ConfigNode& first = draft_.starts.front();
     Pose2D start = first.pose();
     start.theta = snap_to_quarter_turn(start.theta);
-    if (std::fabs(std::remainder(start.theta, kQuarterTurn)) > 1e-9) {
+    if (std::fabs(std::remainder(start.theta, exact::kHalfPi)) > 1e-9) {
       first.fail("the first start must head along an axis: rooms are rectangles along the scene's axes");
     }
     from_file_ = SceneFromFile(start);

@@ -33,9 +33,8 @@ std::string point(Vec2 p) { return fmt::format("[{}, {}]", p.x, p.y); }
 
 // Quarter turns are written short, as people write them: the reader knows what is meant.
 std::string angle(double theta) {
-  constexpr double kQuarterTurn = 0.5 * exact::kPi;
-  if (theta == kQuarterTurn) return "1.5708";
-  if (theta == -kQuarterTurn) return "-1.5708";
+  if (theta == exact::kHalfPi) return "1.5708";
+  if (theta == -exact::kHalfPi) return "-1.5708";
   if (theta == exact::kPi) return "3.1416";
   return fmt::format("{}", theta);
 }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/exact.hpp"
+#include "core/numbers.hpp"
 #include "threewe/core/footprint.hpp"
 
 namespace threewe::scene {
@@ -12,10 +13,10 @@ namespace {
 
 // The unit vector at an angle; exactly along an axis for quarter turns, whose sine and cosine are off by a rounding.
 Vec2 unit_vector(double theta) {
-  constexpr double kRounding = 1e-12;
+  constexpr double kNegligible = 1e-12;
   const auto [s, c] = exact::sincos(theta);
-  if (std::fabs(s) < kRounding) return {c > 0.0 ? 1.0 : -1.0, 0.0};
-  if (std::fabs(c) < kRounding) return {0.0, s > 0.0 ? 1.0 : -1.0};
+  if (std::fabs(s) < kNegligible) return {c > 0.0 ? 1.0 : -1.0, 0.0};
+  if (std::fabs(c) < kNegligible) return {0.0, s > 0.0 ? 1.0 : -1.0};
   return {c, s};
 }
 
@@ -77,7 +78,6 @@ std::pair<Vec2, Vec2> bounds(const Solid& solid) {
 }
 
 std::pair<Vec2, Vec2> bounds(std::span<const Solid> solids) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Vec2 low{kInfinity, kInfinity};
   Vec2 high{-kInfinity, -kInfinity};
   for (const Solid& solid : solids) {

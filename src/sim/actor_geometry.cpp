@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/exact.hpp"
+#include "core/numbers.hpp"
 #include "core/rng.hpp"
 #include "scene/surfaces.hpp"
 #include "sim/renderer/materials.hpp"
@@ -102,7 +103,6 @@ void add_person(const PersonPlace& place, double swing, const Clothes& clothes, 
 }
 
 void add_robot(const Body& spec, const std::optional<CameraSpec>& camera, Colour colour, Builder body) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Vec2 low{kInfinity, kInfinity};
   Vec2 high{-kInfinity, -kInfinity};
   for (const Vec2 corner : spec.footprint.corners()) {

@@ -8,6 +8,8 @@
 #include <limits>
 #include <span>
 
+#include "core/numbers.hpp"
+
 namespace threewe::sim {
 namespace {
 
@@ -17,7 +19,7 @@ using scene::Slice;
 // How far [m] an occluder must stand in front: the nearest of two coinciding surfaces must never be left out, nor each
 // for the sake of the other.
 constexpr double kMargin = 1e-6;
-constexpr std::size_t kMaxCorners = 8;
+constexpr std::size_t kMaxPolygonCorners = 8;
 
 // The points p with normal . p > offset are outside.
 struct Line {
@@ -28,8 +30,8 @@ struct Line {
 
 // A convex solid, or the one face of a shape that is none, a little smaller than it is.
 struct Occluder {
-  std::array<Vec2, kMaxCorners> corners;
-  std::array<Line, kMaxCorners> lines;
+  std::array<Vec2, kMaxPolygonCorners> corners;
+  std::array<Line, kMaxPolygonCorners> lines;
   std::size_t corner_count = 0;
   std::size_t line_count = 0;
   std::size_t first_segment = 0;  // of those in the slice that go round it
@@ -74,7 +76,7 @@ Line line_of(const Segment& segment) {
 
 // The number of segments from `first` on that go once round a convex solid; 0 if they do not.
 std::size_t convex_loop(std::span<const Segment> segments, std::size_t first) {
-  const std::size_t most = std::min(segments.size() - first, kMaxCorners);
+  const std::size_t most = std::min(segments.size() - first, kMaxPolygonCorners);
   std::size_t n = 1;
   while (n < most && segments[first + n - 1].b == segments[first + n].a &&
          segments[first + n - 1].b != segments[first].a)
@@ -310,7 +312,6 @@ class Search {
 
 CellGrid covering_grid(const Slice& slice) {
   if (slice.segments.empty() && slice.circles.empty()) return {};
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Vec2 low{kInfinity, kInfinity};
   Vec2 high{-kInfinity, -kInfinity};
   const auto cover = [&](Vec2 p) {

@@ -84,7 +84,7 @@ void begin_sky(const view::View& seen, const view::Place& place, view::Rows& row
 
 // What is known of rows before anything is drawn, also of some beyond the last.
 void begin_rows(const view::View& seen, const view::Place& place, view::Rows& rows) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  constexpr float kNothing = std::numeric_limits<float>::infinity();
   rows.count = seen.camera.height;
   rows.level = -1;
   const auto count = static_cast<std::size_t>(rows.count) + view::kWidestBlock;
@@ -100,8 +100,8 @@ void begin_rows(const view::View& seen, const view::Place& place, view::Rows& ro
     rows.slopes[r] = static_cast<float>(up / seen.camera.fy);
     // nothing level is seen along the horizon
     rows.inverse[r] = up == 0.0 ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(seen.camera.fy / up);
-    rows.above[r] = seen.is_roofed && up > 0.0 ? ceiling * rows.inverse[r] : kInfinity;
-    rows.below[r] = up < 0.0 ? floor * rows.inverse[r] : kInfinity;
+    rows.above[r] = seen.is_roofed && up > 0.0 ? ceiling * rows.inverse[r] : kNothing;
+    rows.below[r] = up < 0.0 ? floor * rows.inverse[r] : kNothing;
   }
   if (!seen.is_roofed) begin_sky(seen, place, rows);
 }

@@ -3,17 +3,16 @@
 // interval.
 #include "sim/sonar_return.hpp"
 #include "core/exact.hpp"
+#include "core/numbers.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 namespace threewe::sim {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kInFront = 1e-9;  // [m] by which one surface must be nearer than another to hide it
 constexpr double kSliver = 1e-9;   // slope; what is seen through a narrower gap is not heard
 

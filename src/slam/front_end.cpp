@@ -8,14 +8,13 @@
 
 #include "core/exact.hpp"
 #include "core/grid_line.hpp"
+#include "core/numbers.hpp"
 #include "slam/scan_beams.hpp"
 
 namespace threewe::slam {
 namespace {
 
 constexpr std::uint64_t kFirstScans = 3;  // all of these make the first map
-
-double square(double x) { return x * x; }
 
 Time time_of_beam(Time measured, const LaserScan& scan, std::size_t i) {
   return measured + from_seconds(static_cast<double>(i) * scan.time_increment);

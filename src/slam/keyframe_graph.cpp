@@ -8,6 +8,7 @@
 #include <Eigen/LU>
 
 #include "core/exact.hpp"
+#include "core/numbers.hpp"
 #include "slam/pose_covariance.hpp"
 #include "slam/scan_beams.hpp"
 
@@ -21,8 +22,6 @@ constexpr std::size_t kAsked = 3;  // submaps whose deviation is worked out
 constexpr int kStepsOfSolution = 10;
 constexpr std::size_t kUncovered = 20;  // keyframes that the covariance may lack
 constexpr std::size_t kClosers = 8;     // maps of submaps that are kept for the next search
-
-double square(double x) { return x * x; }
 
 // The part of a symmetric matrix of positions that is not negative, and the same of its heading.
 Matrix3 growth(const Matrix3& change) {

@@ -6,12 +6,11 @@
 #include <Eigen/LU>
 
 #include "core/exact.hpp"
+#include "core/numbers.hpp"
 #include "slam/scan_matcher.hpp"
 
 namespace threewe::slam {
 namespace {
-
-double square(double x) { return x * x; }
 
 BranchAndBoundMatcher::Window window_of(const PoseBelief& belief, const Params::LoopCloser& params) {
   const auto reach = [&](int i) { return 3.0 * exact::sqrt(belief.covariance(i, i)); };

@@ -5,12 +5,11 @@
 #include <Eigen/LU>
 
 #include "core/exact.hpp"
+#include "core/numbers.hpp"
 #include "slam/pose_covariance.hpp"
 
 namespace threewe::slam {
 namespace {
-
-double square(double x) { return x * x; }
 
 Matrix3 covariance_of(const Matrix3& information, const Params::MapUncertainty& params) {
   const Matrix3 by_motion = Vector3(1.0 / square(params.motion_position), 1.0 / square(params.motion_position),

@@ -1,5 +1,6 @@
 #include "slam/pose_filter.hpp"
 #include "core/exact.hpp"
+#include "core/numbers.hpp"
 
 #include <cmath>
 
@@ -9,8 +10,6 @@ namespace threewe::slam {
 namespace {
 
 constexpr double kLeastRangeSigma = 1e-6;  // [m] keeps the covariance invertible for a lidar without bias
-
-double square(double x) { return x * x; }
 
 }  // namespace
 

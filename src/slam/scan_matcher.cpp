@@ -1,5 +1,6 @@
 #include "slam/scan_matcher.hpp"
 #include "core/exact.hpp"
+#include "core/numbers.hpp"
 
 #include <algorithm>
 #include <array>
@@ -15,8 +16,6 @@ namespace {
 constexpr int kMaxIterations = 6;
 constexpr int kFarthestCells = 3;        // that hits of one surface are looked for in
 constexpr double kMaxCellWeight = 12.0;  // hits in one cell beyond this add nothing to its weight
-
-double square(double x) { return x * x; }
 
 // What the number of hits in a cell makes of their sums.
 struct CellScale {

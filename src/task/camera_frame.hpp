@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <limits>
 #include <span>
 
 #include "core/exact.hpp"
+#include "core/numbers.hpp"
 #include "task/sight.hpp"
 #include "threewe/scene/solid.hpp"
 
@@ -52,7 +52,6 @@ Polygon clip(const Polygon& polygon, Side side) {
 
 /// Where the ray y = t x crosses a convex polygon, in depth.
 inline Range crossing(std::span<const Vec2> polygon, double t) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Range depth{-kInfinity, kInfinity};
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vec2 a = polygon[i];

@@ -1,9 +1,9 @@
 #include "narrator.hpp"
+#include "core/numbers.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "task/path_score.hpp"
@@ -213,7 +213,6 @@ class Narrator {
 
   // How near a path comes to a point that it passes on a side; infinity if it doesn't.
   static double passing_distance(const std::vector<Vec2>& points, Vec2 thing, Side side) {
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const auto nearest = std::ranges::min_element(points, {}, [&](Vec2 p) { return distance(p, thing); });
     if (nearest == points.begin() || nearest + 1 >= points.end()) return kInfinity;
     const double left = threewe::cross(*(nearest + 1) - *(nearest - 1), thing - *nearest);

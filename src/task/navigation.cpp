@@ -27,7 +27,7 @@ constexpr double kStepCost = 0.01;
 constexpr double kContactCost = 10.0;        // of one that ends the episode
 constexpr double kCountedContactCost = 0.1;  // of one that does not
 constexpr std::uint64_t kPoolSeed = 0x3e;    // the pools are part of the task
-constexpr double kFarthest = 1000.0;         // [m] a goal can be believed to lie
+constexpr double kFarthestGoal = 1000.0;     // [m] a goal can be believed to lie
 
 // `inverse(a_from_b) * point_in_a`: both turn by the same angle, but where that is half a turn.
 Vec2 as_seen_from(const Pose2D& a_from_b, Vec2 point_in_a) {
@@ -64,7 +64,9 @@ class Navigation final : public Task {
     for (const auto& scene : scenes_) pools_.emplace_back(scene, options.goals, kPoolSeed);
   }
 
-  std::vector<Field> fields() const override { return {{"goal", Field::Type::float32, {2}, -kFarthest, kFarthest}}; }
+  std::vector<Field> fields() const override {
+    return {{"goal", Field::Type::float32, {2}, -kFarthestGoal, kFarthestGoal}};
+  }
   bool reads_scan() const override { return false; }
   std::vector<std::string> metrics() const override {
     std::vector<std::string> names = {"success",       "spl",         "distance_to_goal",

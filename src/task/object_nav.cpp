@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -11,6 +10,7 @@
 
 #include "core/exact.hpp"
 #include "core/names.hpp"
+#include "core/numbers.hpp"
 #include "core/rng.hpp"
 #include "task/sight.hpp"
 #include "threewe/core/errors.hpp"
@@ -24,8 +24,6 @@ using scene::GeodesicField;
 using scene::GridFrame;
 using scene::SceneTables;
 using scene::Solid;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Starts are drawn at random this often; then they are tried in turn, with headings a sixteenth of a turn apart.
 constexpr std::uint64_t kStartTries = 256;

@@ -1,9 +1,9 @@
 #include "task/semantic_map.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
+#include "core/numbers.hpp"
 #include "threewe/scene/cell_grid.hpp"
 
 namespace threewe::task {
@@ -14,7 +14,6 @@ using scene::GridFrame;
 using scene::Room;
 using scene::Solid;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kBorderGap = 0.3;    // [m] between rooms that share a border
 constexpr double kNarrowest = 0.1;    // [m] along which a base must be able to cross a border
 constexpr double kOnTheFloor = 0.3;   // [m]: what reaches below can be gone up to

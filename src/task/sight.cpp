@@ -4,13 +4,12 @@
 #include <vector>
 
 #include "camera_frame.hpp"
+#include "core/numbers.hpp"
 
 namespace threewe::task {
 namespace {
 
 using scene::Solid;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // A solid in the camera's frame.
 struct Standing {

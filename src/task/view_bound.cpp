@@ -1,5 +1,6 @@
 #include "view_bound.hpp"
 #include "core/exact.hpp"
+#include "core/numbers.hpp"
 
 #include <utility>
 
@@ -8,7 +9,6 @@ namespace {
 
 using scene::Solid;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNear = 0.01;  // [m] in front of the eye: what is nearer is cut off
 
 // A box as it is; of a disc an octagon inside it.

@@ -12,7 +12,6 @@
 namespace threewe::ros2 {
 namespace {
 
-constexpr Distribution kAnyLayout = Distribution::jazzy;  // the same in all
 constexpr Qos kKept{.reliable = true, .transient_local = true, .depth = 1};
 constexpr Qos kTransforms{.reliable = false, .transient_local = false, .depth = 100};
 

@@ -25,7 +25,6 @@ constexpr auto kCancelled = 3s;    // for a goal that is to be cancelled to end
 constexpr auto kAgain = 1s;        // from one request to cancel a goal to the next
 constexpr double kSpacing = 0.05;  // [m] of a path's poses, which controllers want closer than their costmap's cells
 constexpr Qos kStatus{.reliable = true, .transient_local = true, .depth = 1};
-constexpr Distribution kAnyLayout = Distribution::jazzy;  // the same in all
 
 // The layout of a service's replies, by the hash that its server states; empty for one that we do not know.
 std::optional<Distribution> layout_of(Node& node, const Node::Client& client, std::string_view reply_type) {

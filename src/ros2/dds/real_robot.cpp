@@ -32,11 +32,10 @@ constexpr const char* kUnreadableKey =
     "\n  security: another node has begun by a key in a form that Cyclone DDS does not read, as older ones on Fast DDS "
     "do: "
     "make this enclave anew under another name, until it is this side that begins";
-constexpr int kStepsToRefresh = 50;                       // about once a second
-constexpr std::size_t kManyLost = 3;                      // images of a connection
-constexpr int kLastWords = 3;                             // commands to stand, as one may be lost
-constexpr Distribution kAnyLayout = Distribution::jazzy;  // of messages that are the same in all
-constexpr int kDepth = 5;                                 // samples kept that have not been taken yet
+constexpr int kStepsToRefresh = 50;   // about once a second
+constexpr std::size_t kManyLost = 3;  // images of a connection
+constexpr int kLastWords = 3;         // commands to stand, as one may be lost
+constexpr int kDepth = 5;             // samples kept that have not been taken yet
 
 // Sensors that deliver in less than this have delivered once they are connected.
 constexpr double kQuick = 2.0;  // [Hz]

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
+
+#include "core/numbers.hpp"
 
 namespace threewe::sim::view {
 namespace {
 
 using scene::Solid;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNear = 1e-6;  // [m]
 
 // What a thing covers of the picture, widened by rounding.

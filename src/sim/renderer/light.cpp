@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
+
+#include "core/numbers.hpp"
 
 namespace threewe::sim::view {
 namespace {
@@ -15,7 +16,6 @@ class Grid {
  public:
   explicit Grid(std::span<const VisibleSolid> solids) {
     constexpr double kMargin = 0.5;  // [m]
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
     Vec2 low{kInfinity, kInfinity};
     Vec2 high{-kInfinity, -kInfinity};
     for (const VisibleSolid& visible : solids) {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/numbers.hpp"
 #include "core/rng.hpp"
 #include "sim/renderer/textures.hpp"
 #include "threewe/core/errors.hpp"
@@ -14,8 +15,6 @@ namespace threewe::sim::view {
 namespace {
 
 using scene::Solid;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Walls from floor to ceiling each on their own, all else by what it belongs to.
 std::vector<Group> make_groups(const std::vector<VisibleSolid>& solids, double ceiling) {
