@@ -14,13 +14,13 @@ from tests.fuzz import python_fuzzer
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 BUILD = ROOT / "build" / "fuzz"
+KEPT = BUILD / "corpus"
+"""Inputs that reached code which none before had reached, a folder for each format: the next run begins with them."""
 CORPUS = Path(__file__).parent / "corpus"
+"""The first inputs of each format."""
 
 NATIVE = tuple(sorted(path.name.removesuffix("_fuzzer.cpp") for path in Path(__file__).parent.glob("*_fuzzer.cpp")))
 """Formats that are read in C++: <format>_fuzzer.cpp."""
-
-ASSETS = {"localization": "localization", "lexicon": "languages", "log": "logs"}
-"""Formats whose seeds are the assets in that folder."""
 
 FORMATS = (*NATIVE, *python_fuzzer.FORMATS)
 WALL_LIMIT = 120  # [s] for one input, which others may keep waiting; how long it may compute says fuzz.hpp
@@ -30,17 +30,20 @@ LONGEST_LEXICON = 65536  # ... and of that whose smallest seed is larger
 
 
 def fuzz(name: str, runs: int, seconds: float, seed: int = 0) -> tuple[int, str]:
-    """How many inputs a format's reader has read, and what it did wrong with the last; nothing if it did not."""
-    if name in python_fuzzer.FORMATS:
-        return python_fuzzer.fuzz(name, runs, seconds, seed)
-    found = BUILD / "corpus" / name
+    """How many inputs a format's reader has read, and what it did wrong with the last; nothing if it did not.
+
+    It reads seeds and kept inputs first, then `runs` changed ones.
+    """
     artifacts = BUILD / "artifacts"
-    for folder in (found, artifacts):
+    for folder in (KEPT / name, artifacts):
         folder.mkdir(parents=True, exist_ok=True)
+    if name in python_fuzzer.FORMATS:
+        return python_fuzzer.fuzz(name, runs, seconds, seed, KEPT / name)
+    runs += sum(path.is_file() for folder in (KEPT, CORPUS) for path in (folder / name).rglob("*"))
     command = [
         BUILD / "tests" / "fuzz" / f"{name}_fuzzer",
-        found,
-        seeds_of(name),
+        KEPT / name,
+        CORPUS / name,
         f"-runs={runs}",
         f"-max_total_time={min(int(seconds), 10**9)}",
         f"-seed={seed}",
@@ -61,22 +64,22 @@ def fuzz(name: str, runs: int, seconds: float, seed: int = 0) -> tuple[int, str]
     executed = re.search(r"stat::number_of_executed_units: (\d+)", done.stderr)
     if done.returncode == 0:
         return int(executed.group(1)) if executed else 0, ""
-    told = [
+    errors = [
         line for line in done.stderr.splitlines() if re.search(r"ERROR|fuzz:|runtime error|Test unit written", line)
     ]
-    return int(executed.group(1)) if executed else 0, " | ".join(told)[:600] or done.stderr[-600:]
+    return int(executed.group(1)) if executed else 0, " | ".join(errors)[:600] or done.stderr[-600:]
 
 
-def seeds_of(name: str) -> Path:
-    """The folder of the first inputs of a format."""
-    return ROOT / "assets" / ASSETS[name] if name in ASSETS else CORPUS / name
+def kept_inputs(name: str) -> set[Path]:
+    """The inputs of a format that are kept now."""
+    return set((KEPT / name).glob("*"))
 
 
 def main() -> int:
     """Prints a line per format; 1 if one failed."""
     parser = argparse.ArgumentParser(prog="./dev fuzz", description="Reads changed inputs of formats.")
     parser.add_argument("formats", nargs="*", metavar="format", help=", ".join(FORMATS))
-    parser.add_argument("--runs", type=int, default=2000, help="inputs of each format")
+    parser.add_argument("--runs", type=int, default=2000, help="changed inputs of each format")
     parser.add_argument("--seconds", type=float, default=1e9, help="and no longer than so")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
@@ -84,10 +87,11 @@ def main() -> int:
         parser.error(f"no format {', '.join(unknown)}; there are {', '.join(FORMATS)}")
     failed = False
     for name in options.formats or FORMATS:
-        begin = time.monotonic()
+        begin, before = time.monotonic(), kept_inputs(name)
         count, failure = fuzz(name, options.runs, options.seconds, options.seed)
         failed = failed or bool(failure)
-        print(f"{name:15}{count:10} inputs {time.monotonic() - begin:7.0f} s  {failure or 'ok'}", flush=True)
+        new, seconds = len(kept_inputs(name) - before), time.monotonic() - begin
+        print(f"{name:15}{count:10} inputs {new:6} new kept {seconds:7.0f} s  {failure or 'ok'}", flush=True)
     return int(failed)
 
 

@@ -7,11 +7,11 @@
 #include "threewe/core/errors.hpp"
 #include "threewe/language/command.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+THREEWE_FUZZER(command)(std::string_view input) {
   using namespace threewe;
   static const language::Lexicon lexicon = language::Lexicon::load();
   std::vector<std::string> lines(1);
-  for (const char c : std::string_view(reinterpret_cast<const char*>(data), size)) {
+  for (const char c : input) {
     if (c == '\n') lines.emplace_back();
     if (c != '\n') lines.back() += c;
   }
@@ -24,5 +24,4 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       throw ConfigError(std::string("fuzz.yaml:1: ") + error.what());
     }
   });
-  return 0;
 }

@@ -2,13 +2,11 @@
 #include "fuzz.hpp"
 #include "vision/detector.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+THREEWE_FUZZER(detector)(std::string_view bytes) {
   using namespace threewe;
   static const auto file = fuzz::folder() / "fuzz.safetensors";
   static const std::vector<std::uint8_t> picture(std::size_t{3} * 32 * 24, 100);
-  const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   fuzz::write(file, bytes);
   fuzz::read(bytes,
              [&] { (void)vision::Detector::load(file.string()).detect(picture, {32, 24, 30.0, 30.0, 16.0, 12.0}); });
-  return 0;
 }

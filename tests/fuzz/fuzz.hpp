@@ -1,10 +1,10 @@
-// What the fuzzers of all formats share: how an input is read, what counts as a failure, how inputs are changed.
+// Shared parts of the fuzzers: their registry, what counts as a failure, and where a reader finds its files.
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -21,17 +21,26 @@ inline constexpr std::size_t kMessageMemoryPerByte = 16;
 
 inline constexpr int kTimeLimit = 5;  ///< [s] of computing for one input
 
+/// Reads one input of a format.
+using Fuzzer = void (*)(std::string_view input);
+
+/// The fuzzers of a program by their formats: one where libFuzzer makes the inputs, all of them in the replay.
+std::map<std::string, Fuzzer>& fuzzers();
+
 /// Reads an input, which is accepted or refused by a ConfigError. Aborts where anything else is thrown, where
 /// reading took longer than it may, or held more memory at once.
 void read(std::string_view input, const std::function<void()>& reader, std::size_t free_memory = kFreeMemory,
           std::size_t per_byte = kMemoryPerByte);
 
-/// A folder in memory that is this process's own.
+/// A folder in memory that is this process's own, and its children's.
 const std::filesystem::path& folder();
 void write(const std::filesystem::path& file, std::string_view content);
 
-/// One change of a text that knows what texts are made of: a number becomes another, often an extreme one; a word, a
-/// line or a block of lines is lost, doubled, moved or taken from elsewhere. Returns the new size, at most `most`.
-std::size_t mutate_text(char* text, std::size_t size, std::size_t most, unsigned seed);
-
 }  // namespace threewe::fuzz
+
+/// Defines the fuzzer of a format: THREEWE_FUZZER(scene)(std::string_view input) { ... }
+#define THREEWE_FUZZER(format)                                         \
+  static void fuzz_##format(std::string_view);                         \
+  [[maybe_unused]] static const bool format##_is_new =                 \
+      threewe::fuzz::fuzzers().emplace(#format, fuzz_##format).second; \
+  static void fuzz_##format

@@ -45,11 +45,10 @@ void read_all(const std::filesystem::path& file) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+THREEWE_FUZZER(journal)(std::string_view input) {
   static const auto files = std::make_shared<UnsyncedFiles>();
   static const auto finished = fuzz::folder() / "episode_000000.journal";
   static const auto unfinished = fuzz::folder() / "journals" / "episode_000001.part";
-  const std::string_view input(reinterpret_cast<const char*>(data), size);
   const std::string file = file_of(input);
   fuzz::write(finished, file);
   fuzz::read(input, [] { read_all(finished); });
@@ -62,5 +61,4 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       if (!it.file.empty()) read_all(it.file);
     }
   });
-  return 0;
 }

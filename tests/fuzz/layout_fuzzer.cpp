@@ -2,10 +2,9 @@
 #include "fuzz.hpp"
 #include "vision/box_detector.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+THREEWE_FUZZER(layout)(std::string_view text) {
   using namespace threewe;
   static const auto file = fuzz::folder() / "fuzz.yaml";
-  const std::string_view text(reinterpret_cast<const char*>(data), size);
   fuzz::write(file, text);
   fuzz::read(text, [&] {
     const vision::BoxLayout layout = vision::BoxLayout::load(file);
@@ -17,5 +16,4 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     };
     (void)vision::box_detector(layout, rows).detect(std::vector<std::uint8_t>(std::size_t{3} * 32 * 24), camera);
   });
-  return 0;
 }

@@ -4,11 +4,10 @@
 #include "map/log_odds_map.hpp"
 #include "threewe/map/ros_map.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+THREEWE_FUZZER(map)(std::string_view text) {
   using namespace threewe;
   constexpr std::string_view kCut = "---8<---\n";
   static const auto yaml = fuzz::folder() / "map.yaml";
-  const std::string_view text(reinterpret_cast<const char*>(data), size);
   const std::size_t cut = text.find(kCut);
   fuzz::write(yaml, text.substr(0, cut));
   fuzz::write(fuzz::folder() / "map.pgm", cut == std::string_view::npos ? "" : text.substr(cut + kCut.size()));
@@ -19,5 +18,4 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     auto seen = map::LogOddsMap::going_on_from(grid);
     seen.insert(std::vector{map::Beam{grid.origin, {0.6, 0.8}, 3.0, true, false}});
   });
-  return 0;
 }

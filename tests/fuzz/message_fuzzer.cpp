@@ -9,19 +9,19 @@
 
 using namespace threewe;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  if (size < 2) return 0;
+THREEWE_FUZZER(message)(std::string_view input) {
+  if (input.size() < 2) return;
   const auto types = ros2::message_types();
   static const char* const only = std::getenv("THREEWE_FUZZ_MESSAGE");
   const auto named = [](const ros2::MessageType& t) { return t.name.substr(t.name.rfind('/') + 1) == only; };
+  const std::span bytes(reinterpret_cast<const std::uint8_t*>(input.data()), input.size());
   const ros2::MessageType& type =
-      only == nullptr ? types[data[0] % types.size()] : *std::find_if(types.begin(), types.end(), named);
-  const ros2::Distribution layout = ros2::kDistributions[data[1] % ros2::kDistributions.size()];
-  const std::span payload(data + 2, size - 2);
-  const std::string_view input(reinterpret_cast<const char*>(payload.data()), payload.size());
-  fuzz::read(input, [&] { (void)type.recode(payload, layout); }, fuzz::kMessageMemory, fuzz::kMessageMemoryPerByte);
+      only == nullptr ? types[bytes[0] % types.size()] : *std::find_if(types.begin(), types.end(), named);
+  const ros2::Distribution layout = ros2::kDistributions[bytes[1] % ros2::kDistributions.size()];
+  const std::span payload = bytes.subspan(2);
+  fuzz::read(
+      input.substr(2), [&] { (void)type.recode(payload, layout); }, fuzz::kMessageMemory, fuzz::kMessageMemoryPerByte);
   // what was read is written as the same message
   const auto again = type.recode(payload, layout);
   if (again && type.recode(*again, layout) != again) std::abort();
-  return 0;
 }

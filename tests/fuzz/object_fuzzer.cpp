@@ -3,7 +3,7 @@
 #include "threewe/core/assets.hpp"
 #include "threewe/scene/scene.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+THREEWE_FUZZER(object)(std::string_view text) {
   using namespace threewe;
   static const auto file = [] {
     std::filesystem::create_directories(fuzz::folder() / "objects");
@@ -13,8 +13,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const std::string hall =
       "name: hall\ndescription: a hall\nstarts: [[1, 1]]\nwalls: [{a: [0, 0], b: [30, 0]}, {a: [30, 30], b: [0, 30]}]\n"
       "objects: [{category: fuzz, shape: one, pose: [15, 15]}]\n";
-  const std::string_view text(reinterpret_cast<const char*>(data), size);
   fuzz::write(file, text);
   fuzz::read(text, [&] { scene::Scene::parse(hall, "hall.yaml"); });
-  return 0;
 }

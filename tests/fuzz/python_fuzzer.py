@@ -1,13 +1,15 @@
 """Coverage-guided fuzzing of the formats that are read in Python: `python -m tests.fuzz.python_fuzzer FORMAT`.
 
-Inputs grow out of the seeds in corpus/<format>/: one that reaches a line which none before has reached is kept, and
-changed further. Of containers every other change is one of their contents, and the container made anew: else all end
-at its structure. A child process reads; its parent notices when it dies, hangs or takes too much memory.
+Inputs grow out of the seeds in corpus/<format>/: one that reaches a line which none before has reached is changed
+further, and kept for the next run. Of containers every other change is one of their contents, and the container made
+anew: else all end at its structure. A child process reads; its parent notices when it dies, hangs or takes too much
+memory.
 """
 
 from __future__ import annotations
 
 import argparse
+import hashlib
 import io
 import math
 import multiprocessing
@@ -263,37 +265,40 @@ class Memory:
         return 1024 * int(line.split()[1])
 
 
-def child(name: str, seed: int, runs: int, folder: Path, pipe: Connection) -> None:
-    """Reads inputs one after the other and tells each before it reads it."""
+def child(name: str, seed: int, runs: int, folder: Path, kept: Path | None, pipe: Connection) -> None:
+    """Reads the seeds, the inputs in `kept`, then changed ones, and sends the number of each before it reads it."""
     form = FORMATS[name]
     draw = random.Random(seed)
-    pool = [path.read_bytes() for path in sorted((CORPUS / name).iterdir())]
+    pool = [path.read_bytes() for first in (CORPUS / name, kept) if first for path in sorted(first.iterdir())]
+    unchanged = len(pool)
     reader = Reader(form.read)
     path = folder / f"input{form.suffix}"
     path.write_bytes(pool[0])
     reader(path)  # what is imported by the first counts for none
-    for i in range(runs):
-        data = pool[i] if i < len(pool) else draw.choice(pool)
-        for _ in range(0 if i < len(pool) else draw.choice((1, 1, 2, 4))):
+    for i in range(unchanged + runs):
+        data = pool[i] if i < unchanged else draw.choice(pool)
+        for _ in range(0 if i < unchanged else draw.choice((1, 1, 2, 4))):
             data = form.mutate(data, pool, draw)[:LARGEST]
         path.write_bytes(data)
         pipe.send(i)
         signal.setitimer(signal.ITIMER_PROF, TIME_LIMIT)  # ends the process
         memory = Memory()
-        if reader(path) and i >= len(pool):
+        if reader(path) and i >= unchanged:
             pool.append(data)
+            if kept:
+                (kept / hashlib.sha1(data).hexdigest()).write_bytes(data)
         if (taken := memory.taken()) > form.free_memory + MEMORY_PER_BYTE * len(data):
             raise MemoryError(f"{taken} bytes of memory for an input of {len(data)}")
     signal.setitimer(signal.ITIMER_PROF, 0.0)
     pipe.send(None)
 
 
-def fuzz(name: str, runs: int, seconds: float, seed: int = 1) -> tuple[int, str]:
-    """How many inputs were read, and what the last one did wrong; nothing if none did."""
+def fuzz(name: str, runs: int, seconds: float, seed: int = 1, kept: Path | None = None) -> tuple[int, str]:
+    """How many inputs were read, `runs` of them changed, and what the last one did wrong; nothing if none did."""
     context = multiprocessing.get_context("fork")
     with tempfile.TemporaryDirectory(dir=SCRATCH) as scratch:
         receiver, sender = context.Pipe(duplex=False)
-        process = context.Process(target=child, args=(name, seed, runs, Path(scratch), sender))
+        process = context.Process(target=child, args=(name, seed, runs, Path(scratch), kept, sender))
         process.start()
         sender.close()
         done, failure, end = 0, "", time.monotonic() + seconds
@@ -302,11 +307,10 @@ def fuzz(name: str, runs: int, seconds: float, seed: int = 1) -> tuple[int, str]
                 if not receiver.poll(WALL_LIMIT):
                     failure = f"hangs for more than {WALL_LIMIT:g} s"
                     break
-                told = receiver.recv()
-                if told is None:
-                    done = runs
+                number = receiver.recv()
+                if number is None:
                     break
-                done = told + 1
+                done = number + 1
         except EOFError:
             process.join()
             late = process.exitcode == -signal.SIGPROF

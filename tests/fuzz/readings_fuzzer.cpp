@@ -1,6 +1,4 @@
 // Scans and odometry, as recordings hold them: numbers of any kind. What Slam takes it maps, the rest it refuses.
-#include <cstring>
-
 #include "fuzz.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/slam/slam.hpp"
@@ -17,9 +15,7 @@ class Numbers {
   template <typename T>
   T next() {
     T value{};
-    const std::size_t size = std::min(sizeof value, bytes_.size());
-    std::memcpy(&value, bytes_.data(), size);
-    bytes_.remove_prefix(size);
+    bytes_.remove_prefix(bytes_.copy(reinterpret_cast<char*>(&value), sizeof value));
     return value;
   }
   Pose2D pose() {
@@ -50,16 +46,15 @@ void map_readings(Numbers numbers) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string_view bytes(reinterpret_cast<const char*>(data), size);
+THREEWE_FUZZER(readings)(std::string_view bytes) {
   fuzz::read(
       bytes,
       [&] {
         try {
           map_readings(Numbers(bytes));
-        } catch (const ContractError&) {  // refused
+        } catch (const ContractError&) {
+          return;  // refused
         }
       },
       fuzz::kMapMemory);
-  return 0;
 }

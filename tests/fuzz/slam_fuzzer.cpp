@@ -3,10 +3,9 @@
 #include "threewe/core/errors.hpp"
 #include "threewe/slam/slam.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+THREEWE_FUZZER(slam)(std::string_view text) {
   using namespace threewe;
   static const auto file = fuzz::folder() / "fuzz.slam";
-  const std::string_view text(reinterpret_cast<const char*>(data), size);
   fuzz::write(file, text);
   fuzz::read(
       text,
@@ -19,5 +18,4 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         (void)slam.closures();
       },
       fuzz::kMapMemory);
-  return 0;
 }

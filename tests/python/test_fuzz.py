@@ -13,23 +13,31 @@ import pytest
 import threewe
 
 from tests.fuzz import python_fuzzer
-from tests.fuzz.__main__ import FORMATS, NATIVE, ROOT, seeds_of
+from tests.fuzz.__main__ import CORPUS, FORMATS, NATIVE, ROOT
 
 
 @pytest.mark.parametrize("name", python_fuzzer.FORMATS)
 def test_readers_survive(name: str) -> None:
     if name.startswith("rosbag"):
         pytest.importorskip("rosbags", reason="not shown: needs rosbags")
-    runs = 60 if name.startswith("rosbag") else 150
-    assert python_fuzzer.fuzz(name, runs, 300.0) == (runs, "")
+    runs = 60 if name.startswith("rosbag") else 150  # reading a recording takes 20 ms
+    assert python_fuzzer.fuzz(name, runs, 300.0) == (len(list((CORPUS / name).iterdir())) + runs, "")
 
 
 def test_every_native_fuzzer_is_built_and_has_seeds() -> None:
     cmake = (ROOT / "tests/fuzz/CMakeLists.txt").read_text()
-    [built] = re.findall(r"foreach\(format IN ITEMS ([^)]*)\)", cmake)
+    [built] = re.findall(r"set\(formats ([^)]*)\)", cmake)
     assert sorted(built.split()) == sorted(NATIVE)
     for name in FORMATS:
-        assert any(seeds_of(name).iterdir()), name
+        assert any((CORPUS / name).iterdir()), name
+
+
+def test_what_a_run_keeps_is_where_the_next_one_begins(tmp_path: Path) -> None:
+    first, _ = python_fuzzer.fuzz("relations", 100, 300.0, seed=1, kept=tmp_path)
+    kept = set(tmp_path.iterdir())
+    assert kept
+    assert python_fuzzer.fuzz("relations", 100, 300.0, seed=2, kept=tmp_path) == (first + len(kept), "")
+    assert kept <= set(tmp_path.iterdir())
 
 
 def lets_through(path: Path) -> None:
@@ -88,9 +96,9 @@ def test_readers_that_do_are_found(
         monkeypatch.setattr(python_fuzzer, "TIME_LIMIT", 1.0)
     if reader is hangs:
         monkeypatch.setattr(python_fuzzer, "WALL_LIMIT", 10.0)
-    count, told = python_fuzzer.fuzz("relations", 2000, 300.0)
+    count, found = python_fuzzer.fuzz("relations", 2000, 300.0)
     assert count < 2000
-    assert failure in told
+    assert failure in found
     assert b"nan" in next((tmp_path / "build/fuzz/artifacts").iterdir()).read_bytes()
 
 
