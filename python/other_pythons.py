@@ -2,8 +2,8 @@
 
     .venv/bin/python -m python.other_pythons [pytest arguments]
 
-The package is installed there from a wheel, as a user would get it. A Python that is not installed is named as
-not shown.
+The package is installed there from a wheel, as a user would get it, and nothing else but pytest. A Python that is not
+installed is named as not shown.
 """
 
 import subprocess
@@ -34,7 +34,8 @@ def environment(version: str, python: Path) -> Path:
     """The interpreter of a virtual environment that has the package of now installed."""
     tree = ROOT / "build" / f"py{version.replace('.', '')}"
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())
-    requirements = [*project["project"]["dependencies"], *project["dependency-groups"]["test"]]
+    (pytest,) = (each for each in project["dependency-groups"]["test"] if each.startswith("pytest=="))
+    requirements = [*project["project"]["dependencies"], pytest]
     venv_python = tree / "venv/bin/python"
     pip = [venv_python, "-m", "pip", "-q", "--disable-pip-version-check"]
     stamp = tree / "requirements"

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import compileall
 import fcntl
 import inspect
 import os
 import re
 import signal
 import tempfile
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import AsyncExitStack
 from pathlib import Path
@@ -19,20 +21,71 @@ import threewe
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """What ./dev test asks for, since it installs every package."""
+    """Options of ./dev: `test` installs every package, `nightly` has the time for everything."""
     parser.addoption("--complete", action="store_true", help="fail where a package is missing that a test needs")
+    parser.addoption("--nightly", action="store_true", help="run the tests marked `nightly`, and no others")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", "nightly: takes too long for an ordinary run; --nightly runs it")
+    config.pluginmanager.register(Summary(config), "summary")
+    if not hasattr(config, "workerinput"):
+        # with PYTHONDONTWRITEBYTECODE every program that a test starts would compile the package anew
+        compileall.compile_dir(Path(threewe.__file__).parent, quiet=1)
 
 
 @pytest.hookimpl(trylast=True)
-def pytest_sessionfinish(session: pytest.Session) -> None:
-    """With --complete, a test that was skipped for a package has failed."""
-    reporter = session.config.pluginmanager.get_plugin("terminalreporter")
-    if reporter is None or not session.config.getoption("--complete"):
-        return
-    reasons = {str(report.longrepr[2]) for report in reporter.stats.get("skipped", []) if report.longrepr}
-    if missing := sorted(filter(MISSING_PACKAGE.search, reasons)):
-        reporter.write_line("\nmissing packages: " + "; ".join(missing), red=True)
-        session.exitstatus = pytest.ExitCode.TESTS_FAILED
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Keeps the tests of the night, or all others."""
+    nightly = config.getoption("--nightly")
+    kept: list[pytest.Item] = []
+    left_out: list[pytest.Item] = []
+    for item in items:
+        (kept if (item.get_closest_marker("nightly") is not None) == nightly else left_out).append(item)
+    items[:] = kept
+    config.hook.pytest_deselected(items=left_out)
+    summary = config.pluginmanager.get_plugin("summary")
+    assert isinstance(summary, Summary)
+    summary.left_out = 0 if nightly else len(left_out)
+    if hasattr(config, "workeroutput"):
+        config.workeroutput["left_out"] = summary.left_out
+
+
+class Summary:
+    """Closing lines of a run: tests left to the night, tests that needed a rerun, and packages that are missing.
+
+    A run fails where a test needed more than one rerun and, with --complete, where one was skipped for a package.
+    """
+
+    def __init__(self, config: pytest.Config) -> None:
+        self.config = config
+        self.left_out = 0
+        self.reruns: Counter[str] = Counter()
+
+    @pytest.hookimpl(optionalhook=True)
+    def pytest_testnodedown(self, node: Any) -> None:
+        """A worker of xdist says how many tests it left out; all leave out the same."""
+        self.left_out = getattr(node, "workeroutput", {}).get("left_out", self.left_out)
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        self.reruns[report.nodeid] += report.outcome == "rerun"  # of pytest-rerunfailures
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_sessionfinish(self, session: pytest.Session) -> None:
+        reporter = self.config.pluginmanager.get_plugin("terminalreporter")
+        if reporter is None or hasattr(self.config, "workerinput"):
+            return
+        if self.left_out:
+            reporter.write_line(f"\ntests left to the night, which --nightly runs: {self.left_out}")
+        for test, count in (+self.reruns).items():
+            too_many = ", more than one" if count > 1 else ""
+            reporter.write_line(f"\nreruns that {test} needed: {count}{too_many}", red=count > 1, yellow=count == 1)
+        reasons = {str(report.longrepr[2]) for report in reporter.stats.get("skipped", []) if report.longrepr}
+        missing = sorted(filter(MISSING_PACKAGE.search, reasons)) if self.config.getoption("--complete") else []
+        if missing:
+            reporter.write_line("\nmissing packages: " + "; ".join(missing), red=True)
+        if missing or max(self.reruns.values(), default=0) > 1:
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
 
 MISSING_PACKAGE = re.compile("is not installed|could not import|needs ")
@@ -52,12 +105,12 @@ def ctrl_c() -> Iterator[None]:
     signal.signal(signal.SIGINT, before)
 
 
-@pytest.fixture
-def only_cluster(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+@pytest.fixture(scope="module")
+def only_cluster() -> Iterator[None]:
     """One Ray cluster at a time on this machine: the processes of two, a dozen each, starve one another."""
-    monkeypatch.setenv("RAY_USAGE_STATS_ENABLED", "0")
-    monkeypatch.setenv("RAY_worker_niceness", "0")  # on a busy machine they waited for all others
-    with Path(tempfile.gettempdir(), "threewe-ray.lock").open("w") as file:
+    with pytest.MonkeyPatch.context() as patch, Path(tempfile.gettempdir(), "threewe-ray.lock").open("w") as file:
+        patch.setenv("RAY_USAGE_STATS_ENABLED", "0")
+        patch.setenv("RAY_worker_niceness", "0")  # on a busy machine they waited for all others
         fcntl.flock(file, fcntl.LOCK_EX)
         yield
 

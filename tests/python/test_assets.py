@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
+import command_line
 import pytest
 import threewe
 from test_snippets import write_files
@@ -19,10 +17,10 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "my_assets"
 
 
-def command(*arguments: str) -> subprocess.CompletedProcess[str]:
-    program = [sys.executable, "-c", "from threewe.cli import main; main()", *arguments]
-    environment = {**os.environ, "COLUMNS": "80"}  # a narrow terminal must not hide where a mistake is
-    return subprocess.run(program, capture_output=True, text=True, env=environment)
+@pytest.fixture(autouse=True)
+def narrow_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It must not hide where a mistake is."""
+    monkeypatch.setenv("COLUMNS", "80")
 
 
 def column(text: str, index: int) -> str:
@@ -66,15 +64,15 @@ def test_a_path_needs_no_folder(folder: Path, monkeypatch: pytest.MonkeyPatch, t
 
 @pytest.mark.usefixtures("folder")
 def test_the_command_lists_and_draws_them(tmp_path: Path) -> None:
-    assert "my_place" in column(command("scenes", "list").stdout, 1)
-    done = command("scenes", "show", "my_place", "-o", str(tmp_path / "place.png"))
+    assert "my_place" in column(command_line.threewe("scenes", "list").stdout, 1)
+    done = command_line.threewe("scenes", "show", "my_place", "-o", str(tmp_path / "place.png"))
     assert "den" in done.stdout
     assert (tmp_path / "place.png").exists()
 
 
 def test_one_broken_scene_does_not_hide_the_others(folder: Path) -> None:
     place = spoil(folder / "scenes/my_place.yaml", "floor: carpet", "floor: carpt")
-    done = command("scenes", "list")
+    done = command_line.threewe("scenes", "list")
     assert done.returncode == 1
     assert "office_v2" in done.stdout
     assert "warehouse_v1" in done.stdout
@@ -83,7 +81,7 @@ def test_one_broken_scene_does_not_hide_the_others(folder: Path) -> None:
 
 def test_the_doctor_names_what_is_broken(folder: Path) -> None:
     place = spoil(folder / "robots/my_robot.yaml", "mass: 3.0", "mass: 3000")
-    done = command("doctor")
+    done = command_line.threewe("doctor")
     assert done.returncode == 1
     assert place.strip() in column(done.stdout, 2)
 

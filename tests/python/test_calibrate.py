@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-import subprocess
-import sys
 from collections.abc import Iterable
 from importlib.util import find_spec
 from pathlib import Path
 
+import command_line
 import pytest
 import threewe
 import threewe.sync
@@ -63,8 +62,8 @@ def test_mistakes_are_told(tmp_path: Path) -> None:
 def test_the_command_says_what_it_found(tmp_path: Path) -> None:
     file = tmp_path / "mine.yaml"
     words = ["calibrate", "--backend", "mock", "--hardware", "turtlebot_like", "-o", str(file)]
-    program = [sys.executable, "-c", "from threewe.cli import main; main()", *words]
-    done = subprocess.run(program, capture_output=True, text=True, check=True)
+    done = command_line.threewe(*words)
+    assert done.returncode == 0, done.stderr
     assert "motor_lag" in done.stdout
     assert "linear velocity" in done.stdout
     assert threewe.RobotProfile.load(str(file)).name == "mine"

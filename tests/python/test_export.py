@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
+import command_line
 import numpy as np
 import pytest
 import threewe
@@ -17,8 +17,7 @@ LIDAR_HEIGHT = 0.135  # [m] of the standard robot
 
 
 def run(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", "from threewe.cli import main; main()", "export", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=600)
+    return command_line.threewe("export", *arguments, cwd=cwd)
 
 
 @pytest.mark.parametrize("format", ["mjcf", "urdf", "sdf", "usd", "map"])

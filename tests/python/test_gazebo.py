@@ -25,22 +25,24 @@ pytestmark = pytest.mark.skipif(
     not PROGRAM.exists(), reason="the stand-in needs libignition-transport-dev, libsdformat-dev, protobuf-compiler"
 )
 
-# Some of what the contract wants; all of it is in `./dev verify ros2`.
-CHECKS = [
+# Some of what the contract wants: the first by day, the others by night; all of it is in `./dev verify ros2`.
+BY_DAY = [
+    "advance_is_exact",
+    "every_sensor_delivers",
+    "scan_turns_as_the_device_does",
+    "reset_begins_anew",
+]
+BY_NIGHT = [
     "features_match_the_profile",
     "connecting_again_works",
     "time_starts_at_zero",
-    "advance_is_exact",
-    "every_sensor_delivers",
     "samples_arrive_in_order",
     "rates_are_as_listed",
-    "scan_turns_as_the_device_does",
     "lidar_sees_the_robot_turn_left",
     "one_ultrasonic_pings_at_a_time",
     "images_are_blue_green_red",
     "sideways_is_left",
     "an_expired_command_stops_the_robot",
-    "reset_begins_anew",
     "reset_forgets_the_command",
     "truth_begins_at_the_start_pose",
     "reset_puts_the_robot_at_its_pose",
@@ -74,7 +76,7 @@ async def test_a_robot_in_gazebo_drives_as_any_other() -> None:
 
 
 @pytest.mark.usefixtures("office")
-@pytest.mark.parametrize("check", CHECKS)
+@pytest.mark.parametrize("check", [*BY_DAY, *(pytest.param(name, marks=pytest.mark.nightly) for name in BY_NIGHT)])
 def test_it_keeps_the_contract(check: str) -> None:
     assert check in check_names()
     (result,) = check_backend("gazebo", checks=[check], show=False, raise_failures=True)
@@ -106,6 +108,7 @@ def test_a_world_that_starts_paused_is_driven_as_one_that_runs(tmp_path: Path) -
         assert abs(robot.simulation.true_pose().x - 0.6) < 0.3
 
 
+@pytest.mark.nightly
 def test_two_simulators_are_driven_to_the_same_bits(tmp_path: Path) -> None:
     """Although messages, and what is drawn, come when they come: it waits in lockstep for what is due.
 
@@ -135,6 +138,7 @@ def test_depth_and_colours_are_those_of_the_scene(tmp_path: Path) -> None:
     assert np.median(np.abs(image.depth - expected.depth)[both]) < 0.02
 
 
+@pytest.mark.nightly
 def test_a_differential_robot_has_the_odometry_of_its_wheels(tmp_path: Path) -> None:
     with (
         GazeboWorld(tmp_path, robot="turtlebot_like", scene="apartment_v1"),
@@ -191,6 +195,7 @@ def test_without_gazebo_it_says_how_to_start_it(partition: pytest.MonkeyPatch) -
     assert "threewe gazebo launch --scene office_v2 --robot 3we_standard_v2" in said
 
 
+@pytest.mark.nightly
 @pytest.mark.usefixtures("office")
 def test_another_partition_is_named(partition: pytest.MonkeyPatch) -> None:
     partition.setenv("GZ_PARTITION", "elsewhere")
@@ -204,6 +209,7 @@ def test_another_world_is_named() -> None:
     assert "Gazebo runs the world 'office_v2', not 'apartment_v1'" in connect_fails(scene="apartment_v1")
 
 
+@pytest.mark.nightly
 @pytest.mark.usefixtures("office")
 def test_another_robot_is_named() -> None:
     said = connect_fails(hardware="3we_depth_v2")
@@ -211,6 +217,7 @@ def test_another_robot_is_named() -> None:
     assert "is not as `threewe gazebo launch` and `threewe export --format sdf` make it for '3we_depth_v2'" in said
 
 
+@pytest.mark.nightly
 def test_topics_of_a_wrong_type_and_those_that_lack_are_named(tmp_path: Path) -> None:
     with GazeboWorld(tmp_path, "--wrong-type", "/lidar", "--mute", "/imu"):
         said = connect_fails()
@@ -218,6 +225,7 @@ def test_topics_of_a_wrong_type_and_those_that_lack_are_named(tmp_path: Path) ->
     assert "imu: nothing is published on /imu" in said
 
 
+@pytest.mark.nightly
 def test_two_odometries_on_one_topic_are_named(tmp_path: Path) -> None:
     with GazeboWorld(tmp_path, odometries_share="odom"):
         said = connect_fails()
@@ -234,23 +242,27 @@ def test_a_world_of_other_beams_is_named(tmp_path: Path) -> None:
     assert "lidar: /lidar delivers a scan of 360 beams; the profile has 180" in said
 
 
+@pytest.mark.nightly
 def test_a_world_that_never_steps_is_named(tmp_path: Path) -> None:
     with GazeboWorld(tmp_path, "--never-step"):
         said = connect_fails()
     assert "Gazebo does not step, though it was asked for a first step: its clock stands at " in said
 
 
+@pytest.mark.nightly
 def test_a_world_that_others_run_is_named(tmp_path: Path) -> None:
     with GazeboWorld(tmp_path, "--runs-by-itself"):
         assert "Gazebo does not pause" in connect_fails()
 
 
+@pytest.mark.nightly
 @pytest.mark.usefixtures("office")
 def test_two_simulators_of_one_world_are_named(tmp_path: Path) -> None:
     with GazeboWorld(tmp_path, partition=PARTITION):
         assert "2 simulators run the world 'office_v2'" in connect_fails()
 
 
+@pytest.mark.nightly
 def test_a_simulator_that_dies_ends_the_motion(tmp_path: Path) -> None:
     with GazeboWorld(tmp_path) as world, threewe.sync.Robot(backend="gazebo") as robot:
         robot.move_forward(0.2)
@@ -260,6 +272,7 @@ def test_a_simulator_that_dies_ends_the_motion(tmp_path: Path) -> None:
         assert "Gazebo has gone" in result.detail
 
 
+@pytest.mark.nightly
 def test_a_simulator_that_is_started_again_goes_on(tmp_path: Path) -> None:
     partition = PARTITION + "_again"
     with GazeboWorld(tmp_path, partition=partition) as world:
@@ -327,7 +340,7 @@ def test_messages_are_those_of_protocol_buffers() -> None:
     assert done.returncode == 0, done.stdout
 
 
-@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("by", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.nightly)])
 def test_launch_starts_gazebo_with_the_exported_world(
     partition: pytest.MonkeyPatch, tmp_path: Path, by: signal.Signals
 ) -> None:

@@ -1,10 +1,9 @@
 """Instructions: what a sentence makes a robot do, and what it says where it cannot."""
 
 import math
-import subprocess
-import sys
 from pathlib import Path
 
+import command_line
 import pytest
 import threewe
 from threewe import Pose2D, Robot, Scene, sync
@@ -209,8 +208,7 @@ def test_words_of_a_page_are_no_markup(tmp_path: Path) -> None:
 
 
 def test_the_command_refuses_a_page_of_another_kind_before_it_drives() -> None:
-    program = [sys.executable, "-c", "from threewe.cli import main; main()"]
-    done = subprocess.run([*program, "instruct", "wait 1 s", "--report", "a.txt"], capture_output=True, text=True)
+    done = command_line.threewe("instruct", "wait 1 s", "--report", "a.txt")
     assert done.returncode != 0
     assert "a.txt must end in .html" in done.stderr
     assert done.stdout == ""

@@ -1,4 +1,4 @@
-"""What other people's learning code does with an environment: Gymnasium's, and three trainers on a task each.
+"""What other people's learning code does with an environment: Gymnasium's, and trainers on a task each, most by night.
 
 `./dev interop rl` trains with every library on every task.
 """
@@ -296,7 +296,14 @@ made[2].step(np.ones((2, 3), np.float32))
     assert "before the process was forked" in said
 
 
-@pytest.mark.parametrize(("library", "task"), [("sb3", "Navigation"), ("cleanrl", "ObjectNav"), ("sb3_tools", "VLN")])
+@pytest.mark.parametrize(
+    ("library", "task"),
+    [
+        pytest.param("sb3", "Navigation", marks=pytest.mark.nightly),
+        pytest.param("cleanrl", "ObjectNav", marks=pytest.mark.nightly),
+        ("sb3_tools", "VLN"),
+    ],
+)
 def test_other_peoples_trainers_learn_without_a_warning(library: str, task: str) -> None:
     pytest.importorskip("stable_baselines3", reason="not shown: stable-baselines3 is not installed")
     pytest.importorskip("moviepy", reason="not shown: moviepy is not installed")

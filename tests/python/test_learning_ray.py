@@ -22,7 +22,7 @@ import torch
 from ray.cluster_utils import Cluster
 from threewe.benchmark.ray_engine import cluster
 
-pytestmark = [pytest.mark.filterwarnings("ignore"), pytest.mark.usefixtures("only_cluster")]  # warnings of Ray itself
+pytestmark = pytest.mark.filterwarnings("ignore")  # warnings of Ray itself
 
 
 @pytest.fixture(scope="module")
@@ -32,8 +32,10 @@ def ppo() -> ModuleType:
     return module
 
 
-@pytest.fixture
-def address() -> Iterator[str]:
+@pytest.fixture(scope="module")
+def address(only_cluster: None) -> Iterator[str]:
+    """The cluster of all tests here."""
+    del only_cluster
     made = Cluster(initialize_head=True, head_node_args={"num_cpus": 2})
     made.add_node(num_cpus=2)
     yield made.address
@@ -86,6 +88,7 @@ def test_training_comes_to_the_same_weights(ppo: ModuleType, address: str) -> No
         assert torch.equal(weights, other)
 
 
+@pytest.mark.nightly
 def test_the_command_trains_on_a_cluster(address: str, tmp_path: Any) -> None:
     command = [sys.executable, EXAMPLE, "--quick", "--workers", "2", "--engine", "ray", "--address", address]
     done = subprocess.run([*command, "--save", "policy"], cwd=tmp_path, capture_output=True, text=True, timeout=600)

@@ -2,11 +2,10 @@
 
 import html
 import json
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
+import command_line
 import pytest
 from threewe import ExecutionResult, sync
 from threewe.errors import ConfigError, RecordingError
@@ -140,11 +139,10 @@ def test_files_that_are_no_records_are_one_error(tmp_path: Path, lines: list[Any
 
 
 def test_the_command_records_and_replays(tmp_path: Path) -> None:
-    program = [sys.executable, "-c", "from threewe.cli import main; main()", "instruct", TEXT]
     talk = str(tmp_path / "talk.jsonl")
     with ModelServer([PLAN[0], PLAN[3]]) as server:
-        first = subprocess.run([*program, "--model", server.url, "--record", talk], capture_output=True, text=True)
+        first = command_line.threewe("instruct", TEXT, "--model", server.url, "--record", talk)
     assert first.returncode == 0, first.stderr
     assert "a model thought for" in first.stdout
-    again = subprocess.run([*program, "--replay", talk], capture_output=True, text=True)
+    again = command_line.threewe("instruct", TEXT, "--replay", talk)
     assert (again.returncode, again.stdout) == (0, first.stdout)

@@ -8,6 +8,7 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
+import command_line
 import gymnasium
 import numpy as np
 import pytest
@@ -108,17 +109,7 @@ def test_learning_environments_run_on_it_and_repeat(task: str) -> None:
 @needs_mujoco
 @pytest.mark.parametrize("arguments", [["drive", "--to", "1", "0.5"], ["explore", "--seconds", "5"]])
 def test_the_command_line_drives_it(arguments: list[str]) -> None:
-    command = [
-        sys.executable,
-        "-c",
-        "from threewe.cli import main; main()",
-        *arguments,
-        "--backend",
-        "mujoco",
-        "--scene",
-        "apartment_v1",
-    ]
-    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    run = command_line.threewe(*arguments, "--backend", "mujoco", "--scene", "apartment_v1")
     assert run.stdout.startswith(("reached", "timeout")), run.stderr
     assert "m driven in" in run.stdout
 

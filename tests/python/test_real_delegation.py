@@ -18,8 +18,7 @@ from threewe import ConfigError, ConnectionError, ContractError, LocalizationSta
 
 pytestmark = [
     pytest.mark.skipif(not NAV2.exists(), reason="the stand-ins need libfastrtps-dev and fastddsgen"),
-    # in real time: a loaded machine may be late once, what is wrong fails each time
-    pytest.mark.flaky(reruns=4, reruns_delay=3),
+    pytest.mark.flaky(reruns=1),  # in real time: a loaded machine may be late once, what is wrong fails each time
 ]
 
 
@@ -45,6 +44,7 @@ class Place:
     def go_back(self) -> None:
         """To the start of the scene, so that no test depends on the one before."""
         self.nav2.set("normal")
+        sleep_until(self.robot, lambda: all(self.robot.health[name].ok for name in ("imu", "odometry", "lidar")))
         if self.away(0.0, 0.0) > 0.3:
             assert self.robot.move_to(0.0, 0.0).success
 
@@ -121,6 +121,7 @@ def test_a_path_is_followed(place: Place) -> None:
     assert place.away(0.8, 0.6) < 0.35
 
 
+@pytest.mark.nightly
 def test_waypoints_are_driven_to_one_after_the_other(place: Place) -> None:
     """Around a corner that no straight line leads around; how far it has come is said as it goes."""
     left: list[float] = []
@@ -134,6 +135,7 @@ def test_waypoints_are_driven_to_one_after_the_other(place: Place) -> None:
     assert left[-1] < 0.5
 
 
+@pytest.mark.nightly
 def test_a_waypoint_that_is_missed_ends_them_and_says_which_and_why(place: Place) -> None:
     place.nav2.set("fail 206")
     result = place.robot.follow_waypoints([(0.7, 0.0), (0.7, 0.5)])
@@ -146,6 +148,7 @@ def test_a_waypoint_that_is_missed_ends_them_and_says_which_and_why(place: Place
     assert place.away(0.5, 0.0) < 0.35
 
 
+@pytest.mark.nightly
 def test_waypoints_that_were_left_out_are_no_success(place: Place) -> None:
     """As Nav2 does where it is configured not to stop."""
     place.nav2.set("miss 105")
@@ -155,6 +158,7 @@ def test_waypoints_that_were_left_out_are_no_success(place: Place) -> None:
     assert place.away(0.6, 0.0) < 0.35
 
 
+@pytest.mark.nightly
 def test_waypoints_that_are_wanted_no_more_are_cancelled_there(place: Place) -> None:
     robot = place.robot
     with pytest.raises(ZeroDivisionError):
@@ -179,17 +183,22 @@ def test_a_cancelled_goal_is_cancelled_there(place: Place) -> None:
 @pytest.mark.parametrize(
     ("code", "reason", "words"),
     [
-        (102, Reason.lost, "no transform to where the robot is"),
-        (104, Reason.blocked, "PATIENCE_EXCEEDED"),
-        (105, Reason.blocked, "the robot does not get on"),
-        (204, Reason.no_path, "the goal is outside of the map"),
-        (206, Reason.no_path, "the goal is in an obstacle"),
         (208, Reason.no_path, "there is no path to the goal"),
-        (714, Reason.blocked, "backing up would collide"),
-        (9001, Reason.fault, "FAILED_TO_LOAD_BEHAVIOR_TREE"),
-        (9003, Reason.timeout, "the navigator took too long"),
-        (12345, Reason.fault, "error code 12345, which is not one of Nav2's own"),
         (0, Reason.cancelled, "another goal may have taken its place"),
+        *(
+            pytest.param(*by_night, marks=pytest.mark.nightly)
+            for by_night in (
+                (102, Reason.lost, "no transform to where the robot is"),
+                (104, Reason.blocked, "PATIENCE_EXCEEDED"),
+                (105, Reason.blocked, "the robot does not get on"),
+                (204, Reason.no_path, "the goal is outside of the map"),
+                (206, Reason.no_path, "the goal is in an obstacle"),
+                (714, Reason.blocked, "backing up would collide"),
+                (9001, Reason.fault, "FAILED_TO_LOAD_BEHAVIOR_TREE"),
+                (9003, Reason.timeout, "the navigator took too long"),
+                (12345, Reason.fault, "error code 12345, which is not one of Nav2's own"),
+            )
+        ),
     ],
 )
 def test_an_error_code_is_a_reason_and_words(place: Place, code: int, reason: Reason, words: str) -> None:
@@ -199,6 +208,7 @@ def test_an_error_code_is_a_reason_and_words(place: Place, code: int, reason: Re
     assert "as it was asked to" in result.detail  # what Nav2 says of it
 
 
+@pytest.mark.nightly
 def test_an_error_of_a_path_is_one_too(place: Place) -> None:
     place.nav2.set("fail 103")
     result = place.robot.follow_path([(0.8, 0.0), (0.8, 0.6)])
@@ -206,6 +216,7 @@ def test_an_error_of_a_path_is_one_too(place: Place) -> None:
     assert "INVALID_PATH (103)" in result.detail
 
 
+@pytest.mark.nightly
 def test_a_goal_that_is_rejected_or_cancelled_by_others_says_so(place: Place) -> None:
     rejected = failed(place, "reject")
     assert (rejected.reason, rejected.detail) == (Reason.fault, "Nav2: /navigate_to_pose has rejected the goal")
@@ -219,6 +230,7 @@ def test_a_place_that_is_closed_has_no_path(place: Place) -> None:
     assert result.reason == Reason.no_path
 
 
+@pytest.mark.nightly
 def test_a_slow_server_is_waited_for_and_a_deaf_one_is_not(place: Place) -> None:
     place.nav2.set("slow 1")
     assert place.robot.move_to(0.6, 0.0).success
@@ -227,12 +239,14 @@ def test_a_slow_server_is_waited_for_and_a_deaf_one_is_not(place: Place) -> None
     assert "has not answered for 3 s" in deaf.detail
 
 
+@pytest.mark.nightly
 def test_without_feedback_it_counts_as_dead(place: Place) -> None:
     mute = failed(place, "mute")
     assert mute.reason == Reason.fault
     assert "no feedback for 2 s" in mute.detail
 
 
+@pytest.mark.nightly
 def test_a_motion_that_is_ours_waits_for_a_transform_that_stops_coming(
     network: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -290,6 +304,7 @@ def test_nav2_that_dies_leaves_the_robot_standing(network: pytest.MonkeyPatch) -
         nav2.process.communicate(timeout=30)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("options", [("--humble",), ("--cyclone",), ("--humble", "--cyclone")])
 def test_other_layouts_and_services_are_spoken(network: pytest.MonkeyPatch, options: tuple[str, ...]) -> None:
     """Results without error codes, and requests and replies that begin with who asked."""
@@ -317,6 +332,7 @@ def test_other_layouts_and_services_are_spoken(network: pytest.MonkeyPatch, opti
     assert nav2.asked["goals"] == 5
 
 
+@pytest.mark.nightly
 def test_what_is_not_there_is_named(network: pytest.MonkeyPatch) -> None:
     domain = FIRST_DOMAIN + 1
     network.setenv("ROS_DOMAIN_ID", str(domain))

@@ -19,7 +19,7 @@ SERVE = "from threewe.cli import main; main()"
 
 pytestmark = [
     pytest.mark.skipif(not PROGRAM.exists(), reason="the stand-ins need libfastrtps-dev and fastddsgen"),
-    pytest.mark.flaky(reruns=4, reruns_delay=3),  # as in test_real.py
+    pytest.mark.flaky(reruns=1),  # as in test_real.py
 ]
 
 
@@ -100,6 +100,7 @@ def test_messages_of_all_types_reach_a_secured_peer_on_another_dds(keystore: Key
     assert done.stdout == f"{len(names)} of {len(names)} types\n", done
 
 
+@pytest.mark.nightly
 def test_a_handshake_that_cannot_succeed_is_named(
     network: pytest.MonkeyPatch, keystore: Keystore, tmp_path: Path
 ) -> None:

@@ -19,7 +19,7 @@ from ros2_recording import PROGRAMS, ROOT, Served, dds_type, record, simulate
 
 pytestmark = [
     pytest.mark.skipif(not PROGRAM.exists(), reason="the recorder needs libfastrtps-dev and fastddsgen"),
-    pytest.mark.flaky(reruns=4, reruns_delay=3),  # as in test_real.py
+    pytest.mark.flaky(reruns=1),  # as in test_real.py
 ]
 
 SCENE, PROFILE, SEED = "office_v2", "3we_standard_v2", 7
@@ -141,6 +141,7 @@ def test_a_record_on_another_dds_is_what_the_simulator_measured(tmp_path: Path) 
     assert grid.data.size == grid.info.width * grid.info.height
 
 
+@pytest.mark.nightly
 def test_stamped_commands_drive_too(tmp_path: Path) -> None:
     types = {topic: TYPES[topic] for topic in ("/clock", "/odom")}
     commands = "0.2 0 0 40\n"
@@ -151,6 +152,7 @@ def test_stamped_commands_drive_too(tmp_path: Path) -> None:
     assert last > 0.05
 
 
+@pytest.mark.nightly
 def test_diagnostics_are_published_once_a_second(tmp_path: Path) -> None:
     types = {"/clock": TYPES["/clock"], "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray"}
     with Served("--lockstep"):
@@ -175,7 +177,7 @@ def test_we_drive_what_we_serve(network: pytest.MonkeyPatch) -> None:
     assert "jazzy" in _core.ros2_distributions_with(clock.type, clock.hash)
 
 
-@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("turned", [pytest.param(False, marks=pytest.mark.nightly), True])
 def test_a_lidar_that_is_mounted_otherwise_is_named(
     network: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, tmp_path: Path, turned: bool
 ) -> None:
@@ -190,6 +192,7 @@ def test_a_lidar_that_is_mounted_otherwise_is_named(
     assert ("by /tf_static it is at" in caplog.text) == turned, caplog.text
 
 
+@pytest.mark.nightly
 def test_several_robots_have_namespaces(network: pytest.MonkeyPatch) -> None:
     network.setenv("ROS_DOMAIN_ID", str(FIRST_DOMAIN + 2))
     with Served("--robot", PROFILE, "--robot", "turtlebot_like"):
@@ -212,6 +215,7 @@ def test_messages_of_all_types_reach_another_dds_and_come_back(tmp_path: Path) -
     assert done.stdout == f"{len(names)} of {len(names)} types\n", done
 
 
+@pytest.mark.nightly
 def test_an_autonomy_stack_shows_its_map_and_drives_to_goals(network: pytest.MonkeyPatch, tmp_path: Path) -> None:
     domain = FIRST_DOMAIN + 2
     network.setenv("ROS_DOMAIN_ID", str(domain))

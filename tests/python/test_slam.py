@@ -7,10 +7,10 @@ import json
 import math
 import re
 import subprocess
-import sys
 import threading
 from pathlib import Path
 
+import command_line
 import numpy as np
 import pytest
 import threewe
@@ -449,8 +449,7 @@ def test_a_second_thread_is_refused(recorded: tuple[Log, Array]) -> None:
 
 
 def run(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    program = Path(sys.executable).parent / "threewe"
-    return subprocess.run([program, "slam", *arguments], capture_output=True, text=True, cwd=cwd)
+    return command_line.threewe("slam", *arguments, cwd=cwd)
 
 
 def test_synth_and_replay(log_spec: str, tmp_path: Path) -> None:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import shutil
-import subprocess
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+import command_line
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -97,10 +96,7 @@ def test_the_map_is_like_the_robots_own(drive: Drive, mapped: Replay) -> None:
 
 def test_the_command_maps_a_journal(drive: Drive, tmp_path: Path) -> None:
     (journal,) = drive.folder.glob("*.journal")
-    program = Path(sys.executable).parent / "threewe"
-    done = subprocess.run(
-        [program, "slam", "replay", journal, "-o", "out"], capture_output=True, text=True, cwd=tmp_path
-    )
+    done = command_line.threewe("slam", "replay", str(journal), "-o", "out", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "out/map.pgm").exists()
 

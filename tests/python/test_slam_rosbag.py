@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
+import command_line
 import numpy as np
 import pytest
 import threewe
@@ -205,7 +204,6 @@ def test_bytes_that_were_cut_off_are_named(tmp_path: Path) -> None:
 
 def test_the_command_maps_it(tmp_path: Path) -> None:
     recording(tmp_path / "bag")
-    program = Path(sys.executable).parent / "threewe"
-    done = subprocess.run([program, "slam", "replay", "bag", "-o", "out"], capture_output=True, text=True, cwd=tmp_path)
+    done = command_line.threewe("slam", "replay", "bag", "-o", "out", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "out/map.pgm").exists()

@@ -9,21 +9,31 @@ file that all of them find. Other commands and programs are left out only if the
 
 import ast
 import asyncio
+import contextlib
 import importlib.util
 import inspect
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
 
+import click
 import pytest
+import typer
+from threewe.cli import app
 
 ROOT = Path(__file__).resolve().parents[2]
 LIBRARY = ROOT / "build/dev/libthreewe.a"
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 REMARK = r"(?:<!-- not run: (?P<reason>.+?) -->\n+|<!-- needs: (?P<needs>\w+) -->\n+)?"
 FILE = re.compile(r"# [\w./-]+\.(yaml|py)$", re.M)
+BY_NIGHT = {
+    *(f"docs/how-to-{what}.md" for what in ("benchmark", "export", "scenes", "share", "view")),
+    "docs/transfer.md",
+}
+"""Pages whose commands other tests run as well: by day their options are parsed."""
 BLOCK = re.compile(REMARK + r"^```(?P<language>\w*)\n(?P<code>.*?)^```$", re.M | re.S)
 
 
@@ -72,15 +82,40 @@ def test_python(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
         pytest.skip(f"not shown: what needs {', '.join(missing)}; the rest of {page} ran")
 
 
-@pytest.mark.parametrize("page", pages_with("console"))
+def commands_of(code: str) -> list[str]:
+    """Those of a `console` block, without ./dev, which is running."""
+    commands = [line.removeprefix("$ ") for line in code.splitlines() if line.startswith("$ ")]
+    return [command for command in commands if not command.startswith("./dev")]
+
+
+def by_night(page: str) -> object:
+    return pytest.param(page, marks=pytest.mark.nightly) if page in BY_NIGHT else page
+
+
+@pytest.mark.parametrize("page", [by_night(page) for page in pages_with("console")])
 def test_console(page: str, tmp_path: Path) -> None:
     write_files(page, tmp_path)
     path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
     for where, code in blocks(ROOT / page, "console"):
-        commands = [line.removeprefix("$ ") for line in code.splitlines() if line.startswith("$ ")]
-        script = "\n".join(command for command in commands if not command.startswith("./dev"))
+        script = "\n".join(commands_of(code))
         done = subprocess.run(["bash", "-euc", script], cwd=tmp_path, env={**os.environ, "PATH": path})
         assert done.returncode == 0, where
+
+
+@pytest.mark.parametrize("page", sorted(BY_NIGHT))
+def test_commands_that_run_by_night_have_their_options(page: str) -> None:
+    found = [command for _, code in blocks(ROOT / page, "console") for command in commands_of(code)]
+    found = [command for command in found if command.startswith("threewe ")]
+    assert found, page
+    for command in found:
+        _, *words = shlex.split(command)
+        group = typer.main.get_command(app)
+        with contextlib.suppress(typer.Exit):  # of --help
+            while isinstance(group, click.Group):
+                _, chosen, words = group.resolve_command(group.make_context("threewe", words[:1]), words)
+                assert chosen is not None, command
+                group = chosen
+            group.make_context("threewe", words)
 
 
 @pytest.mark.parametrize("page", pages_with("cpp"))

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import command_line
 import numpy as np
 import pytest
 import rerun as rr
@@ -491,10 +492,9 @@ def threewe_command(*arguments: str, cwd: Path) -> subprocess.Popen[str]:
 
 
 def test_view_records_an_exploration(tmp_path: Path) -> None:
-    process = threewe_command("view", "apartment_v1", "--seconds", "5", "--save", "home.rrd", cwd=tmp_path)
-    output, complaints = process.communicate()
-    assert process.returncode == 0, complaints
-    assert "5 robot s" in output
+    done = command_line.threewe("view", "apartment_v1", "--seconds", "5", "--save", "home.rrd", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "5 robot s" in done.stdout
     assert is_valid(tmp_path / "home.rrd")
     rows = list(Recording(tmp_path / "home.rrd").rows("map/estimated_robot", "Transform3D:translation"))
     assert rows[-1][0] - rows[0][0] == pytest.approx(5.0, abs=0.3)
@@ -510,11 +510,10 @@ def test_view_records_an_exploration(tmp_path: Path) -> None:
     ],
 )
 def test_what_cannot_be_viewed_is_one_line(arguments: list[str], complaint: str, tmp_path: Path) -> None:
-    process = threewe_command("view", *arguments, cwd=tmp_path)
-    complaints = process.communicate()[1]
-    assert process.returncode == 2
-    assert complaint in complaints.replace("\n", " ")
-    assert "Traceback" not in complaints
+    done = command_line.threewe("view", *arguments, cwd=tmp_path)
+    assert done.returncode == 2
+    assert complaint in done.stderr.replace("\n", " ")
+    assert "Traceback" not in done.stderr
 
 
 def listeners(port: int) -> set[str]:

@@ -43,7 +43,17 @@ def act(made: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(made, tmp_path / "act"))
 
 
-@pytest.mark.parametrize(("name", "count"), [("64", 12), ("120", 6), ("240", 3), ("480", 2)])
+@pytest.mark.parametrize(
+    ("name", "count"),
+    [
+        ("64", 3),
+        ("120", 2),
+        pytest.param("64", 12, marks=pytest.mark.nightly),
+        pytest.param("120", 6, marks=pytest.mark.nightly),
+        pytest.param("240", 3, marks=pytest.mark.nightly),
+        pytest.param("480", 2, marks=pytest.mark.nightly),
+    ],
+)
 def test_it_computes_what_the_published_network_does(tmp_path: Path, name: str, count: int) -> None:
     folder = act_checkpoints.write(tmp_path / "act", SHAPES[name])
     runner, twin = load(folder, SHAPES[name]), TwinPolicy(folder).exact()

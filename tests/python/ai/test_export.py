@@ -51,8 +51,7 @@ def test_int8_gives_nearly_the_same_actions(tmp_path: Path) -> None:
     eight = VLARunner.from_pretrained(tmp_path / "int8")
     assert eight.policy == replace(runner.policy, folder=tmp_path / "int8", training=eight.policy.training)
     assert eight.policy.graph.stat().st_size < 0.35 * runner.policy.graph.stat().st_size
-    given = calibration_feeds(runner, None, 24)
-    full, less = (np.concatenate([each._engine.infer(feed, "") for feed in given]) for each in (runner, eight))
+    full, less = (np.concatenate([each._engine.infer(feed, "") for feed in feeds]) for each in (runner, eight))
     assert np.abs(full - less).mean() < 0.1 * full.std()
     with pytest.raises(ConfigError, match="exists already"):
         write_int8(runner.policy, feeds, tmp_path / "int8")

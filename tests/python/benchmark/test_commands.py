@@ -9,6 +9,7 @@ import sys
 from itertools import count
 from pathlib import Path
 
+import command_line
 import pytest
 from threewe.benchmark.attempt import Settings
 from threewe.benchmark.bundle import write_bundle
@@ -22,7 +23,12 @@ THREEWE = str(Path(sys.executable).parent / "threewe")
 SET = "vln_val_v1"  # which is drawn in seconds
 
 
-def command(folder: Path, *arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
+def command(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    return command_line.threewe("benchmark", *arguments, cwd=folder)
+
+
+def program(folder: Path, *arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """The same in a process of its own."""
     variables = {**os.environ, **environment}
     words = [THREEWE, "benchmark", *arguments]
     return subprocess.run(words, cwd=folder, env=variables, capture_output=True, text=True, timeout=300)
@@ -119,12 +125,12 @@ def test_a_policy_of_another_source_is_not_rerun(tmp_path: Path) -> None:
         "class Waits:\n    async def run(self, robot, assignment): await robot.sleep(1.0)\n"
     )
     run = ("run", "pointnav", "--agent", "mine:Waits", "--scene", "apartment_v1", "--episodes", "1")
-    assert command(tmp_path, *run, "--bundle", "run.zip").returncode == 0
+    assert program(tmp_path, *run, "--bundle", "run.zip").returncode == 0
     rerun = ("verify", "run.zip", "--rerun-policy", "--seed", "7", "--new-episodes", "1")
-    assert "the same policy in 1 new buildings of seed 7" in command(tmp_path, *rerun).stdout
+    assert "the same policy in 1 new buildings of seed 7" in program(tmp_path, *rerun).stdout
     with (tmp_path / "mine.py").open("a") as file:
         file.write("print('imported')\n")
-    done = command(tmp_path, *rerun)
+    done = program(tmp_path, *rerun)
     assert done.returncode == 2
     assert done.stderr.endswith("error: agent: mine:Waits here is another than in the bundle, by its source\n")
     assert "imported" not in done.stdout
@@ -134,7 +140,7 @@ def test_a_policy_of_another_source_is_not_rerun(tmp_path: Path) -> None:
 
 def test_a_run_shows_how_far_it_is_and_the_time_left(tmp_path: Path) -> None:
     run = ("run", "pointnav", "--agent", "straight", "--scene", "apartment_v1", "--episodes", "3")
-    done = command(tmp_path, *run, FORCE_COLOR="1", COLUMNS="120", TERM="xterm")
+    done = program(tmp_path, *run, FORCE_COLOR="1", COLUMNS="120", TERM="xterm")
     assert done.returncode == 0, done.stderr
     shown = re.sub(r"\x1b\[[\d;?]*\w", "", done.stderr)
     assert re.search(r"pointnav, straight ━+ 3/3 0:\d\d:\d\d 0:00:00 left", shown)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import stat
 import subprocess
-import sys
 from pathlib import Path
 
+import command_line
 import pytest
 from threewe import ConfigError
 from threewe.benchmark import commitments
@@ -24,12 +24,11 @@ from threewe.benchmark.commitments import (
 from threewe.benchmark.sampling import HELD_OUT
 
 ROOT = Path(__file__).resolve().parents[3]
-THREEWE = str(Path(sys.executable).parent / "threewe")
 OTHER = "0123456789abcdef" * 4
 
 
 def command(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([THREEWE, "benchmark", "episodes", *arguments], cwd=folder, capture_output=True, text=True)
+    return command_line.threewe("benchmark", "episodes", *arguments, cwd=folder)
 
 
 @pytest.fixture

@@ -28,7 +28,7 @@ from ray.cluster_utils import Cluster
 from threewe.benchmark.ray_engine import run_on_ray
 
 THREEWE = Path(sys.executable).with_name("threewe")
-pytestmark = [pytest.mark.filterwarnings("ignore"), pytest.mark.usefixtures("only_cluster")]  # warnings of Ray itself
+pytestmark = pytest.mark.filterwarnings("ignore")  # warnings of Ray itself
 
 
 def work(how: str, folder: str, number: int) -> dict[str, Any]:
@@ -44,7 +44,7 @@ def work(how: str, folder: str, number: int) -> dict[str, Any]:
         if not mark.exists():
             mark.touch()
             os.kill(os.getpid(), 9)
-    time.sleep(12.0 if how == "takes its time" else 0.2)
+    time.sleep(6.0 if how == "takes its time" else 0.2)
     return {"number": number}
 
 
@@ -59,8 +59,9 @@ def connected(made: Any) -> Iterator[None]:
         ray.shutdown()
 
 
-@pytest.fixture
-def cluster() -> Iterator[tuple[Any, list[Any]]]:
+@contextmanager
+def three_nodes() -> Iterator[tuple[Any, list[Any]]]:
+    """A cluster, and the two nodes beside its head."""
     made = Cluster(initialize_head=True, head_node_args={"num_cpus": 1})
     nodes = [made.add_node(num_cpus=1) for _ in range(2)]
     with connected(made):
@@ -68,16 +69,41 @@ def cluster() -> Iterator[tuple[Any, list[Any]]]:
     made.shutdown()
 
 
-def test_a_node_and_workers_that_are_killed_cost_nothing(cluster: tuple[Any, list[Any]], tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def shared_cluster(only_cluster: None) -> Iterator[tuple[Any, list[Any]]]:
+    """The cluster of all tests that leave its nodes alone."""
+    del only_cluster
+    with three_nodes() as cluster:
+        yield cluster
+
+
+@pytest.fixture
+def cluster(kill: bool, request: pytest.FixtureRequest) -> Iterator[tuple[Any, list[Any]]]:
+    """One of its own for a test that kills a node."""
+    if not kill:
+        yield request.getfixturevalue("shared_cluster")
+        return
+    request.getfixturevalue("only_cluster")
+    with three_nodes() as cluster:
+        yield cluster
+
+
+WITH_OR_WITHOUT_A_KILL = pytest.mark.parametrize("kill", [False, pytest.param(True, marks=pytest.mark.nightly)])
+
+
+@WITH_OR_WITHOUT_A_KILL
+def test_a_node_and_workers_that_are_killed_cost_nothing(
+    cluster: tuple[Any, list[Any]], kill: bool, tmp_path: Path
+) -> None:
     made, nodes = cluster
     ways = ["is killed once", "well", "is killed once", "well", "raises", "exits", "is killed once", *["well"] * 8]
     jobs = [Job(f"{i}", work, {"how": how, "folder": str(tmp_path), "number": i}, 100.0) for i, how in enumerate(ways)]
-    jobs.append(Job("hangs", work, {"how": "hangs", "folder": str(tmp_path), "number": 99}, 20.0))
+    jobs.append(Job("hangs", work, {"how": "hangs", "folder": str(tmp_path), "number": 99}, 8.0))
     told: list[str] = []
 
     def done(job: Job, _: Any) -> None:
         told.append(job.key)
-        if len(told) == 4:
+        if kill and len(told) == 4:
             made.remove_node(nodes.pop(), allow_graceful=False)
 
     found = run_on_ray(jobs, 3, Journal(tmp_path / "journal.jsonl"), on_done=done)
@@ -88,25 +114,24 @@ def test_a_node_and_workers_that_are_killed_cost_nothing(cluster: tuple[Any, lis
     assert "ValueError: boom" in found[4].failure
     assert found[5].failure.startswith("its process died")
     assert found[5].own
-    assert found[-1].failure == "took longer than 20 s"
+    assert found[-1].failure == "took longer than 8 s"
     keys = [json.loads(line)["key"] for line in (tmp_path / "journal.jsonl").read_text().splitlines()]
     assert sorted(keys) == sorted(job.key for job in jobs)
 
 
+@pytest.mark.usefixtures("shared_cluster")
 def test_a_job_that_waits_for_a_processor_does_not_hang(tmp_path: Path) -> None:
-    made = Cluster(initialize_head=True, head_node_args={"num_cpus": 1})
     arguments = {"how": "takes its time", "folder": str(tmp_path)}
-    jobs = [Job(f"{i}", work, {**arguments, "number": i}, 20.0) for i in range(3)]  # the last begins after 24 s
-    try:
-        with connected(made):
-            found = run_on_ray(jobs, 3)
-    finally:
-        made.shutdown()
-    assert [one.failure for one in found] == ["", "", ""]
-    assert all(12.0 <= one.seconds < 20.0 for one in found)
+    jobs = [Job(f"{i}", work, {**arguments, "number": i}, 10.0) for i in range(6)]  # three at a time, so 12 s in all
+    found = run_on_ray(jobs, 6)
+    assert [one.failure for one in found] == [""] * 6
+    assert all(6.0 <= one.seconds < 10.0 for one in found)
 
 
-def test_results_are_those_of_one_process_whatever_is_killed(cluster: tuple[Any, list[Any]], tmp_path: Path) -> None:
+@WITH_OR_WITHOUT_A_KILL
+def test_results_are_those_of_one_process_whatever_is_killed(
+    cluster: tuple[Any, list[Any]], kill: bool, tmp_path: Path
+) -> None:
     made, nodes = cluster
     plan, listed = plan_run(
         "pointnav", "navigator", split="val", scenes=["apartment_v1"], episodes=8, settings=Settings()
@@ -114,16 +139,18 @@ def test_results_are_those_of_one_process_whatever_is_killed(cluster: tuple[Any,
     alone = run(plan, listed, tmp_path / "local.jsonl", workers=0)
 
     def done(count: int, *_: Any) -> None:
-        if count == 2:  # when two others are under way
+        if kill and count == 2:  # when two others are under way
             made.remove_node(nodes.pop(), allow_graceful=False)
 
     on_ray = run(plan, listed, tmp_path / "ray.jsonl", workers=3, engine="ray", on_done=done)
-    assert len(nodes) == 1
+    assert len(nodes) == (1 if kill else 2)
     assert text_of(results_of(plan, listed, alone)) == text_of(results_of(plan, listed, on_ray))
 
 
-def test_the_command_loses_nothing_where_it_is_killed_itself(cluster: tuple[Any, list[Any]], tmp_path: Path) -> None:
-    made, _ = cluster
+def test_the_command_loses_nothing_where_it_is_killed_itself(
+    shared_cluster: tuple[Any, list[Any]], tmp_path: Path
+) -> None:
+    made, _ = shared_cluster
     command = [THREEWE, "benchmark", "run", "pointnav", "--scene", "apartment_v1", "--episodes", "6", "-o", "r.json"]
     on_ray = [*command, "--engine", "ray", "--address", made.address, "--workers", "2"]
     journal = tmp_path / "r.journal.jsonl"

@@ -90,7 +90,7 @@ def test_the_page_holds_all_that_it_shows(tmp_path: Path) -> None:
         assert subprocess.run([NODE, "--check", "page.mjs"], cwd=tmp_path).returncode == 0
 
 
-@pytest.mark.flaky(reruns=4)  # a loaded machine may give the page no time to play
+@pytest.mark.flaky(reruns=1)  # a loaded machine may give the page no time to play
 @pytest.mark.skipif(CHROMIUM is None, reason="not shown: there is no Chromium here to show the page")
 @pytest.mark.parametrize(
     ("address", "deed", "shown"),

@@ -119,7 +119,7 @@ def test_results_name_all_that_they_came_of(tmp_path: Path) -> None:
     for backend in ("mock", "mujoco"):
         settings = Settings(backend=backend, randomization="hard")
         plan, listed = plan_run(
-            "pointnav", "straight", split="val", episodes=1, scenes=["corridor_v1"], settings=settings
+            "pointnav", "straight", split="val", episodes=1, scenes=["apartment_v1"], settings=settings
         )
         results = results_of(plan, listed, run(plan, listed, tmp_path / f"{backend}.jsonl", workers=0))
         assert results["agent"]["name"] == "straight"

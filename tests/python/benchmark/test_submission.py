@@ -8,7 +8,6 @@ import shutil
 import socket
 import ssl
 import subprocess
-import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -17,12 +16,12 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
+import command_line
 import pytest
 from threewe import ConfigError, ConnectionError
 from threewe.benchmark import Server, load_server, save_server, submit_bundle, write_bundle
 from threewe.benchmark.submission import settings_file
 
-THREEWE = str(Path(sys.executable).parent / "threewe")
 SECRET = "t0ken-that-stays-here"
 OPENSSL = shutil.which("openssl")
 
@@ -100,7 +99,7 @@ def bundle(tmp_path: Path) -> Path:
 
 
 def command(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([THREEWE, "benchmark", *arguments], cwd=folder, capture_output=True, text=True, timeout=300)
+    return command_line.threewe("benchmark", *arguments, cwd=folder)
 
 
 def test_a_bundle_arrives_with_its_hash_and_the_token(bundle: Path) -> None:

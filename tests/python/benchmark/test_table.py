@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
+import command_line
 import pytest
 from threewe import ConfigError
 from threewe.benchmark import load_results, summarize
@@ -26,7 +25,6 @@ PUBLISHED = {
     "exploration": ["navigator", "oracle", "optimistic", "random"],
 }
 FILES = sorted(RESULTS.glob("*.json"))
-THREEWE = str(Path(sys.executable).parent / "threewe")
 
 
 def test_the_page_is_that_of_the_results() -> None:
@@ -82,9 +80,9 @@ def test_a_page_shows_who_knew_more_and_what_is_missing(tmp_path: Path) -> None:
 
 
 def test_compact_results_have_all_but_trajectories(tmp_path: Path) -> None:
-    run = [THREEWE, "benchmark", "run", "pointnav", "--agent", "straight", "--scene", "apartment_v1"]
+    run = ["benchmark", "run", "pointnav", "--agent", "straight", "--scene", "apartment_v1"]
     for options in (["--output", "whole.json"], ["--output", "small.json", "--compact", "--bundle", "run.zip"]):
-        done = subprocess.run([*run, "--episodes", "2", *options], cwd=tmp_path, capture_output=True, text=True)
+        done = command_line.threewe(*run, "--episodes", "2", *options, cwd=tmp_path)
         assert done.returncode == 0, done.stderr
     whole, small = (load_results(tmp_path / f"{name}.json") for name in ("whole", "small"))
     assert all(row.pop("trajectory") for row in whole["episode_results"])
@@ -92,6 +90,6 @@ def test_compact_results_have_all_but_trajectories(tmp_path: Path) -> None:
     assert all(row["trajectory"] for row in load_results(tmp_path / "run.zip")["episode_results"])
     with pytest.raises(ConfigError, match="run without --compact"):
         report(small)
-    done = subprocess.run([THREEWE, "benchmark", "table", "small.json"], cwd=tmp_path, capture_output=True, text=True)
+    done = command_line.threewe("benchmark", "table", "small.json", cwd=tmp_path)
     assert done.stdout.startswith("# Benchmark results\n")
     assert "| [straight](small.json) | 2 | " in done.stdout
