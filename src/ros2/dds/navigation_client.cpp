@@ -354,8 +354,8 @@ void NavigationClient::receive_result(std::span<const std::uint8_t> payload, std
   if (current_->layout == Distribution::humble) {
     return finish(Outcome::blocked, "aborted; in Humble it does not state why");
   }
-  NavigationError error = explain(response->result.error_code, response->result.error_msg);
-  finish(error.outcome, std::move(error.detail));
+  const NavigationError error = explain(response->result.error_code, response->result.error_msg);
+  finish(error.outcome, error.detail);
 }
 
 /// Where waypoints were missed: why the first one was. Needs the lock.
