@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -85,3 +86,25 @@ def test_on_another_linux_it_names_the_tools_that_it_cannot_do_without(clone: Pa
     assert "libyaml-cpp-dev" in said
     assert "c++, ninja" in said
     assert "pip install 'threewe-<version>.whl[demo]'" in said
+
+
+def test_a_night_that_was_killed_goes_on_after_the_steps_that_passed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    steps_of = runpy.run_path(str(ROOT / "dev"))["Steps"]
+    done: list[str] = []
+
+    def step(name: str, fails: bool) -> bool:
+        done.append(name)
+        return fails
+
+    for again in (False, False, True):
+        steps = steps_of(tmp_path / "night", again)
+        steps.do("first", step, "first", False)
+        steps.do("second", step, "second", len(done) < 3)
+        status = steps.report()
+    assert done == ["first", "second", "second", "first", "second"]
+    printed = capsys.readouterr().out
+    assert re.search(r"^FAILED +0\.0 min  second$", printed, re.M)
+    assert len(re.findall(r"^ok +0\.0 min  in all$", printed, re.M)) == 3
+    assert status == 0
