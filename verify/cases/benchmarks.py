@@ -26,10 +26,15 @@ THREEWE = Path(sys.executable).parent / "threewe"
 
 def drive(seed: int, task: str, scene: str, agents: list[str]) -> dict[str, Any]:
     """One episode of a scene, by each of the agents."""
-    split = "unseen" if scene.endswith(SUFFIX) else SPLIT
-    listed = [episode for episode in load_episodes(f"{task}_{split}_v1")["episodes"] if episode.scene == scene]
-    episode: Episode = listed[seed % len(listed)]
+    listed = episodes_of(task, scene)
+    episode = listed[seed % len(listed)]
     return {"episode": episode.index, **{agent: metrics(task, episode, agent) for agent in agents}}
+
+
+def episodes_of(task: str, scene: str) -> list[Episode]:
+    """Returns the frozen episodes of a task in a scene."""
+    split = "unseen" if scene.endswith(SUFFIX) else SPLIT
+    return [episode for episode in load_episodes(f"{task}_{split}_v1")["episodes"] if episode.scene == scene]
 
 
 def metrics(task: str, episode: Episode, agent: str) -> dict[str, Any]:

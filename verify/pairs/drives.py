@@ -6,7 +6,6 @@ Their seeds are here for good: they are for comparison, and no published figure 
 from __future__ import annotations
 
 import asyncio
-import json
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -15,24 +14,23 @@ from typing import Any
 import numpy as np
 from threewe import OccupancyGrid, Pose2D, Robot, RobotProfile, Scene, SceneTables
 from threewe.benchmark.attempt import Settings, attempt
-from threewe.benchmark.episodes import load_episodes
 from threewe.benchmark.sampling import IN_SIGHT_SCENES, SCENES, scenes_of
-from threewe.benchmark.unseen import SUFFIX
 from threewe.gym.env import Env
 from threewe.slam import accuracy, replay
 from threewe.slam.synth import record, true_relations
 
+from verify.cases import sensitivity
+from verify.cases.benchmarks import episodes_of
 from verify.cases.doorways import through_a_doorway
-from verify.cases.driving import arrived, drive, drive_in_vain, drives_in_a_map, explore_from, explore_together
+from verify.cases.driving import arrived, drive, drive_in_vain, drives_in_a_map, explore_together
 from verify.cases.finding import find
-from verify.cases.generated import building, drive_far, in_generated, saved
+from verify.cases.generated import drive_far, in_generated
 from verify.cases.labyrinths import PLACES, mislead
 from verify.cases.logs import SURVEYS
 from verify.cases.routes import follow, go_to
 from verify.cases.scaled import drive_in_sizes
-from verify.cases.sensitivity import kidnapped
 from verify.cases.walls import away_from_a_wall, comes_to_its_goal, out_of_a_slot
-from verify.pairs.outcomes import Outcome, logged, of_case, of_logs, outcome
+from verify.pairs.outcomes import Outcome, logged, of_attempt, of_case, of_logs, outcome
 from verify.pairs.policies import of_policy
 
 STANDARD, TURTLEBOT, BASE = "3we_standard_v2", "turtlebot_like", "3we_base_v2"
@@ -69,7 +67,7 @@ def pointnav() -> Iterator[Drive]:
 def exploration() -> Iterator[Drive]:
     """Yields explorations: of frozen episodes, of buildings until they are done, of two robots."""
     yield from frozen("exploration", "navigator", SCENES["exploration"], range(2))
-    yield from numbered("building", 4, explore_a_building, covers)
+    yield from numbered("building", 4, sensitivity.exploration, covers, hardware=STANDARD)
     yield from numbered("two_robots", 1, explore_together, anyhow, scene="office_v2", strangers=True)
 
 
@@ -116,9 +114,7 @@ def localization() -> Iterator[Drive]:
     """Yields logs that are mapped, and robots that must find out where they are."""
     for survey in SURVEYS:
         yield Drive(f"log/{survey}", map_a_log, {"survey": survey, "seed": SEED})
-    for k in range(4):
-        arguments = {"function": kidnapped, "success": comes_to_its_goal, "seed": SEED + k, "hardware": STANDARD}
-        yield Drive(f"kidnapped/{k}", of_case, arguments)
+    yield from numbered("kidnapped", 4, sensitivity.kidnapped, comes_to_its_goal, hardware=STANDARD)
     for scene in ("office_v2", "apartment_v1", "corridor_v1"):
         yield Drive(f"anywhere/{scene}", find_itself, {"scene": scene, "seed": SEED})
 
@@ -161,17 +157,7 @@ def frozen(task: str, agent: str, scenes: list[str], indices: range) -> Iterator
 
 def of_episode(task: str, agent: str, scene: str, index: int) -> Outcome:
     """Returns the outcome of a frozen episode, driven by a shipped agent."""
-    split = "unseen" if scene.endswith(SUFFIX) else "val"
-    listed = [episode for episode in load_episodes(f"{task}_{split}_v1")["episodes"] if episode.scene == scene]
-    return of_attempt(attempt(task, listed[index], agent, Settings()))
-
-
-def of_attempt(tried: dict[str, Any]) -> Outcome:
-    """Returns the outcome of what the benchmark's `attempt` came to."""
-    metrics = tried["metrics"]
-    success = metrics["success"] if "success" in metrics else metrics["coverage"] >= 0.95
-    everything = json.dumps([tried["trajectory"], tried["replayed"], metrics]).encode()
-    return outcome(tried["failure"] or tried["end"], success, metrics["duration"], metrics["path_length"], everything)
+    return of_attempt(attempt(task, episodes_of(task, scene)[index], agent, Settings()))
 
 
 def act(task: str, scene: str, randomization: str, seed: int) -> Outcome:
@@ -201,13 +187,6 @@ def map_a_log(survey: str, seed: int) -> Outcome:
     error = accuracy(result.trajectory, true_relations(truth)).translation[0]
     hashed = (result.trajectory.tobytes(), repr(result.events).encode())
     return outcome(f"{len(result.events)} events", error <= SURVEYS[survey], log.seconds, log.distance, *hashed)
-
-
-def explore_a_building(seed: int) -> dict[str, Any]:
-    """Explores a generated building until it is done."""
-    with saved(building(seed)) as scene:
-        tables = SceneTables(Scene.load(scene), RobotProfile.load(STANDARD))
-        return explore_from(tables.sample_free_pose(seed), seed, scene)
 
 
 def find_itself(scene: str, seed: int) -> Outcome:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import logging
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -40,6 +41,14 @@ def of_case(
     with logged() as logs:
         case = function(**arguments)
     return of_logs(str(case.get("reason", "")), success(case), logs)
+
+
+def of_attempt(tried: dict[str, Any]) -> Outcome:
+    """Returns the outcome of what the benchmark's `attempt` came to."""
+    metrics = tried["metrics"]
+    success = metrics["success"] if "success" in metrics else metrics["coverage"] >= 0.95
+    everything = json.dumps([tried["trajectory"], tried["replayed"], metrics]).encode()
+    return outcome(tried["failure"] or tried["end"], success, metrics["duration"], metrics["path_length"], everything)
 
 
 @contextmanager

@@ -7,7 +7,6 @@ on that is another one, because the network or what it is shown has changed, it 
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from verify.pairs.outcomes import Outcome, outcome
+from verify.pairs.outcomes import Outcome, of_attempt
 
 if TYPE_CHECKING:
     from threewe.ai.runner import VLARunner
@@ -62,7 +61,4 @@ def of_policy(scene: str, index: int, renew: bool = False) -> Outcome:
     tried = attempt_with("objectnav", listed[index], agent, Settings())
     if renew:
         answers.save()
-    metrics = tried["metrics"]
-    everything = json.dumps([tried["trajectory"], tried["replayed"], metrics]).encode()
-    reason = tried["failure"] or tried["end"]
-    return outcome(reason, metrics["success"], metrics["duration"], metrics["path_length"], everything)
+    return of_attempt(tried)

@@ -31,7 +31,7 @@ namespace threewe::ros2 {
 enum class Distribution : std::uint8_t { humble, jazzy, kilted };
 /// All of them.
 inline constexpr std::array kDistributions{Distribution::humble, Distribution::jazzy, Distribution::kilted};
-/// Of messages that are the same in all of them.
+/// Serves messages whose layout is the same in all of them.
 inline constexpr Distribution kAnyLayout = Distribution::jazzy;
 /// Its name, such as "jazzy".
 std::string_view to_string(Distribution distribution);
