@@ -61,7 +61,7 @@ def test_what_a_policy_fails_of_is_its_end(tmp_path: Path) -> None:
 
 
 def test_another_kind_is_named_only_where_one_is_in_sight(standing: Path) -> None:
-    drives = evaluate(standing, Evaluation("generated", count=1, other=True))
+    drives = evaluate(standing, Evaluation("generated", count=3, other=True))
     assert {drive.episode.stratum for drive in drives} == {"among others"}
 
 
